@@ -82,6 +82,16 @@ pub(crate) fn encode_ramp(ramp: &Ramp) -> Vec<u32> {
     words
 }
 
+/// Words that a new ramp of so many stops takes.
+pub(crate) fn ramp_words(stops: usize) -> usize {
+    with_room(1 + 5 * stops)
+}
+
+/// A ramp's words with room to grow.
+fn with_room(words: usize) -> usize {
+    (2 * words).max(1 + 5 * 4)
+}
+
 /// What is wrong with a value, as the end of a sentence; `None` if nothing is.
 pub(crate) fn problem(value: &Value) -> Option<String> {
     let finite = match value {
@@ -150,7 +160,7 @@ impl FakeStack {
             return self.free.swap_remove(at);
         }
         let start = self.words.len();
-        self.words.resize(start + (2 * count).max(1 + 5 * 4), 0);
+        self.words.resize(start + with_room(count), 0);
         start..self.words.len()
     }
 

@@ -106,6 +106,18 @@ pub enum GraphError {
         /// Slots it needs.
         slots: u32,
     },
+    /// Constants that take too much memory together.
+    #[error(
+        "the constants of all nodes up to `{node}` take more than {bytes} bytes: at most these are possible; use fewer nodes of `{texture}`, or put its large tables into images"
+    )]
+    TooManyConstants {
+        /// The node.
+        node: String,
+        /// Its texture.
+        texture: String,
+        /// What is possible.
+        bytes: usize,
+    },
     /// A number that is no AO slot.
     #[error("`{node}` asks for AO slot {slot}: there are the slots 0 to 3")]
     OcclusionSlot {

@@ -84,6 +84,7 @@ mod tokens;
 mod try_out;
 mod validation;
 mod value;
+mod verdict;
 mod wording;
 
 pub use attribute::{Attribute, BUILTIN_ATTRIBUTES, BuiltinAttribute, GLOBALS, Global, HOST_STUB};
@@ -96,7 +97,6 @@ pub use inline::emit_inlined;
 pub use interface::{NamedOutput, Parameter, Widget};
 pub use libraries::used_libraries;
 pub use library::Library;
-pub use parse::CAPABILITIES;
 pub use pointer_arguments::copy_pointer_arguments;
 pub use prelude::PRELUDE;
 pub use private_memory::kernel_private_bytes;
@@ -110,3 +110,4 @@ pub use texture_memory::{FunctionMemory, PrivateMemory};
 pub use value::{
     ElementType, Interpolation, OutputType, ParameterType, Ramp, Value, color_from_hex,
 };
+pub use verdict::CAPABILITIES;

@@ -13,7 +13,8 @@ use naga::{Expression, Function, Handle, Module, TypeInner};
 
 use crate::diagnostic::{Diagnostic, SourceFile};
 use crate::private_memory::{bytes_of, deepest, size_of};
-use crate::scope::Outline;
+use crate::rewrite::is_read_in_place;
+use crate::scope::{FunctionDecl, Outline, Role};
 
 /// More is warned of, bytes.
 const MUCH: u32 = 1024;
@@ -35,7 +36,8 @@ pub(crate) struct Needs {
     pub(crate) problem: Option<Diagnostic>,
 }
 
-/// Adds up parameters, variables, and tables that an index chooses from: those are copied into memory.
+/// Adds up parameters, variables, and what is copied into memory: tables that an index chooses from, and array parameters
+/// of `userProc` that are used as a whole. A value that no variable holds counts where it alone is more than that.
 pub(crate) fn needs(file: &SourceFile, outline: &Outline<'_>, module: &Module) -> Needs {
     let mut sizes: HashMap<Handle<Function>, u32> = HashMap::new();
     let mut total = 0u32;
@@ -51,12 +53,19 @@ pub(crate) fn needs(file: &SourceFile, outline: &Outline<'_>, module: &Module) -
         let is_entry = name == "userProc";
         let named = bytes_of(module, function, is_entry);
         total = total.saturating_add(named);
-        let tables = tables(module, function, is_entry);
-        let sum = tables
+        let Unnamed {
+            tables: mut copied,
+            value,
+        } = unnamed(module, function, is_entry, &outline.span(decl.name));
+        if is_entry {
+            copied.extend(whole_parameters(module, function, outline, decl));
+        }
+        let sum = copied
             .iter()
-            .map(|table| table.bytes)
+            .map(|copy| copy.bytes)
             .fold(0u32, u32::saturating_add);
-        sizes.insert(handle, named.saturating_add(sum));
+        let value_bytes = value.as_ref().map_or(0, |value| value.bytes);
+        sizes.insert(handle, named.saturating_add(sum).max(value_bytes));
         let variables = function
             .local_variables
             .iter()
@@ -67,7 +76,7 @@ pub(crate) fn needs(file: &SourceFile, outline: &Outline<'_>, module: &Module) -
                     None => outline.span(decl.name),
                 },
             });
-        for candidate in tables.into_iter().chain(variables) {
+        for candidate in copied.into_iter().chain(variables).chain(value) {
             if candidate.bytes > largest.bytes {
                 largest = candidate;
             }
@@ -109,45 +118,105 @@ pub(crate) fn needs(file: &SourceFile, outline: &Outline<'_>, module: &Module) -
     Needs { total, problem }
 }
 
-/// The arrays without a name that a function chooses an element of by an index, with the places where it does.
-fn tables(module: &Module, function: &Function, is_entry: bool) -> Vec<Largest> {
+/// What a function has that no variable holds.
+struct Unnamed {
+    /// The arrays that it chooses an element of by an index, with the places where it does.
+    tables: Vec<Largest>,
+    /// The largest of its arrays and structures, but for parameters.
+    value: Option<Largest>,
+}
+
+/// Works that out. What has no place of its own is at `otherwise`.
+fn unnamed(
+    module: &Module,
+    function: &Function,
+    is_entry: bool,
+    otherwise: &Range<usize>,
+) -> Unnamed {
     let context =
         ResolveContext::with_locals(module, &function.local_variables, &function.arguments);
     let mut typifier = Typifier::new();
     let mut seen = BTreeSet::new();
-    let mut found = Vec::new();
-    for (access, expression) in function.expressions.iter() {
+    let mut found = Unnamed {
+        tables: Vec::new(),
+        value: None,
+    };
+    for (handle, expression) in function.expressions.iter() {
         if typifier
-            .grow(access, &function.expressions, &context)
+            .grow(handle, &function.expressions, &context)
             .is_err()
         {
             return found; // it was validated before
         }
+        let largest = |of: Handle<Expression>| Largest {
+            bytes: (typifier.get(of, &module.types))
+                .try_size(module.to_ctx())
+                .unwrap_or(u32::MAX),
+            span: (function.expressions.get_span(handle))
+                .to_range()
+                .unwrap_or_else(|| otherwise.clone()),
+        };
+        // Array parameters of `userProc` are read in place, or count as a whole; other parameters count already.
+        let is_parameter = |handle: Handle<Expression>| {
+            matches!(
+                function.expressions[handle],
+                Expression::FunctionArgument(_)
+            )
+        };
+        let is_composite = matches!(
+            typifier.get(handle, &module.types),
+            TypeInner::Array { .. } | TypeInner::Struct { .. }
+        );
+        if is_composite && !is_parameter(handle) {
+            let value = largest(handle);
+            let former = found.value.as_ref();
+            if former.is_none_or(|former| value.bytes > former.bytes) {
+                found.value = Some(value);
+            }
+        }
         let &Expression::Access { base, .. } = expression else {
             continue;
         };
-        // Array parameters of `userProc` are read in place; other parameters count already.
-        let is_parameter = matches!(function.expressions[base], Expression::FunctionArgument(_));
-        if is_parameter && is_entry {
+        if is_parameter(base) && is_entry {
             continue;
         }
-        let inner = typifier.get(base, &module.types);
         // One constant may be used many times.
         let key = match function.expressions[base] {
             Expression::Constant(constant) => (0, constant.index()),
             Expression::ZeroValue(ty) => (1, ty.index()),
             _ => (2, base.index()),
         };
-        if matches!(inner, TypeInner::Array { .. }) && seen.insert(key) {
-            found.push(Largest {
-                bytes: inner.try_size(module.to_ctx()).unwrap_or(u32::MAX),
-                span: function
-                    .expressions
-                    .get_span(access)
-                    .to_range()
-                    .unwrap_or(0..0),
-            });
+        let is_array = matches!(typifier.get(base, &module.types), TypeInner::Array { .. });
+        if is_array && seen.insert(key) {
+            found.tables.push(largest(base));
         }
     }
     found
+}
+
+/// The array parameters of `userProc` that it uses otherwise than element by element, with the first places where it does:
+/// the kernel copies those.
+fn whole_parameters(
+    module: &Module,
+    function: &Function,
+    outline: &Outline<'_>,
+    entry: &FunctionDecl,
+) -> Vec<Largest> {
+    let arrays: HashMap<usize, u32> = (entry.params.iter().zip(&function.arguments))
+        .filter(|(_, argument)| matches!(module.types[argument.ty].inner, TypeInner::Array { .. }))
+        .map(|(param, argument)| (param.name, size_of(module, argument.ty)))
+        .collect();
+    let mut seen = BTreeSet::new();
+    let copied = entry.body.clone().filter_map(|at| {
+        let Role::Local(declared) = outline.roles[at] else {
+            return None;
+        };
+        let &bytes = arrays.get(&declared)?;
+        let is_first = !is_read_in_place(outline, at) && seen.insert(declared);
+        is_first.then(|| Largest {
+            bytes,
+            span: outline.span(at),
+        })
+    });
+    copied.collect()
 }

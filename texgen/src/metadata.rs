@@ -15,6 +15,7 @@ use crate::interface::{NamedOutput, Parameter, Widget};
 use crate::libraries::Whole;
 use crate::literal::{self, Literal};
 use crate::scope::Outline;
+use crate::signature;
 use crate::suggest::did_you_mean;
 use crate::tokens::{TokenKind, tokenize};
 use crate::value::{Interpolation, ParameterType, Ramp, Value};
@@ -65,6 +66,17 @@ pub(crate) fn read_docs(
             continue;
         };
         let start = line.start + line.text.len() - rest.len();
+        let more = rest.len() - rest.trim_start_matches(is_in_word).len();
+        if more > 0 {
+            let span = start - "@param".len()..start + more;
+            let word = &trimmed[.."@param".len() + more];
+            problems.push(
+                Diagnostic::warning(format!("there are no `{word}` lines"))
+                    .with_label(file, span, "did you mean `@param`?")
+                    .with_note("write `@param NAME label [min .. max] = default`"),
+            );
+            continue;
+        }
         let mut reader = ParamLine {
             file,
             text: rest,
@@ -112,7 +124,12 @@ pub(crate) fn read_docs(
         }
     }
     misplaced(file, outline, parameters, &described, problems);
+    signature::warn_of_keys(file, outline, problems);
     docs.trim().to_owned()
+}
+
+fn is_in_word(c: char) -> bool {
+    c.is_alphanumeric() || c == '_'
 }
 
 /// Reads what follows `@output`: a name and what it is.
@@ -276,12 +293,23 @@ impl<'a> ParamLine<'a> {
                 self.key(key, start, parameter, &mut interpolation, problems);
                 start += key.len() + 1;
             }
-            self.at = (close + 1).min(self.text.len());
+            // Blanks behind an unclosed one may be longer than a byte.
+            self.at = length.map_or(self.text.len(), |_| close + 1);
             self.skip_space();
         }
         if let Some(rest) = self.text[self.at..].strip_prefix('=') {
             let start = self.at + 1;
             self.default(rest, start, parameter, interpolation, problems);
+            if let Some(attribute) = &parameter.attribute {
+                let name = &parameter.name;
+                problems.push(
+                    Diagnostic::warning(format!("the default of `{name}` is never used"))
+                        .with_label(self.file, self.span(self.at..self.text.trim_end().len()), "")
+                        .with_note(format!(
+                            "it takes `{attribute}` where nothing is linked to it and no constant is set: leave the default or the attribute out"
+                        )),
+                );
+            }
         } else if !self.text[self.at..].trim().is_empty() {
             problems.push(
                 Diagnostic::warning("text behind the brackets is not read")

@@ -3,24 +3,17 @@
 //! naga stops at the first error of a module. To show all of them, what an error lies in is cut out (`recover`) and the
 //! rest is tried again, until naga is content or nothing can be blamed.
 
-use naga::front::wgsl;
-use naga::valid::{Capabilities, ValidationFlags, Validator};
+mod brackets;
 
 use crate::diagnostic::{Diagnostic, Diagnostics, SourceFile};
 use crate::habits::Habit;
 use crate::prelude::STUBS;
-use crate::problem::Problem;
 use crate::recover::Attempt;
 use crate::scope::Outline;
 use crate::standard;
-use crate::validation;
 
 /// No more errors of naga's than this are looked for in one file: each costs a parse.
 const MAX_ERRORS: usize = 20;
-
-/// What a texture may use beyond plain WGSL: `pack2x16float`, `unpack2x16float` and `quantizeToF16` compute with `f32`, and
-/// all Vulkan, Metal and DirectX 12 devices have them.
-pub const CAPABILITIES: Capabilities = Capabilities::SHADER_FLOAT16_IN_FLOAT32;
 
 /// Parses and validates the file with what it needs of the prelude behind it (spans in the file stay what they are) and constants
 /// for the custom attributes it reads. What comes from another language was found before: the file is read without it.
@@ -40,6 +33,9 @@ pub(crate) fn parse<'a>(
             .with_label(file, start..start + 2, "it goes on to the end of the file")
             .with_note("close it with `*/`; comments within it need their own")
             .into());
+    }
+    if let Some(problem) = brackets::unclosed(file, outline, habits) {
+        return Err(problem.into());
     }
     let mut tail = format!("\n{STUBS}\n");
     for place in standard::needed_by(outline) {
@@ -62,12 +58,16 @@ pub(crate) fn parse<'a>(
     let mut problems = Diagnostics::new();
     for tried in 1.. {
         let (text, edits) = attempt.text();
-        let mut problem = match check(&text) {
+        let mut problem = match attempt.check(&text) {
             Ok(module) if problems.is_empty() && habits.is_empty() => return Ok(module),
             Ok(_) => break,
             Err(problem) => problem,
         };
         edits.undo(&mut problem);
+        if problem.is_unplaced() {
+            problem = attempt.place(problem);
+        }
+        problem.sort_labels(outline);
         let is_new = !attempt.has_caused(&problem);
         let goes_on = attempt.mend(&problem);
         if is_new {
@@ -84,22 +84,4 @@ pub(crate) fn parse<'a>(
     }
     problems.sort();
     Err(problems)
-}
-
-/// Parses and validates a whole module.
-pub(crate) fn check(text: &str) -> Result<naga::Module, Problem> {
-    let module = wgsl::parse_str(text).map_err(|error| Problem {
-        message: error.message().to_owned(),
-        labels: error
-            .labels()
-            .filter_map(|(span, label)| Some((span.to_range()?, label.to_owned())))
-            .collect(),
-        notes: error.notes().map(str::to_owned).collect(),
-        function: None,
-        conversion: None,
-    })?;
-    match Validator::new(ValidationFlags::all(), CAPABILITIES).validate(&module) {
-        Ok(_) => Ok(module),
-        Err(error) => Err(validation::problem(&error, &module)),
-    }
 }

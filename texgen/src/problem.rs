@@ -1,10 +1,16 @@
 //! An error of naga's, and how it is told in the user's terms.
 
+mod plain;
+
 use std::ops::Range;
 
+use plain::in_plain_words;
+
 use crate::diagnostic::{Diagnostic, SourceFile};
-use crate::scope::Outline;
+use crate::scope::{GlobalKind, Outline};
 use crate::wording::{expected, in_user_terms, plain_message, plain_notes, remedies};
+
+pub(crate) use plain::refused_operator;
 
 /// An error of naga's in a text.
 #[derive(Debug)]
@@ -28,6 +34,30 @@ pub(crate) struct Conversion {
 }
 
 impl Problem {
+    /// Whether naga says neither its place nor the function that it is in.
+    pub(crate) fn is_unplaced(&self) -> bool {
+        self.labels.is_empty() && self.function.is_none()
+    }
+
+    /// Puts an expression in front of the struct whose member it doesn't fit, and leaves out what isn't in the file.
+    pub(crate) fn sort_labels(&mut self, outline: &Outline<'_>) {
+        let is_inside = |span: &Range<usize>| span.start < outline.text.len();
+        if self.labels.iter().any(|(span, _)| is_inside(span)) {
+            self.labels.retain(|(span, _)| is_inside(span));
+        }
+        if self.labels.len() < 2 || !self.message.starts_with("automatic conversions") {
+            return;
+        }
+        let wanted = self.labels[0].0.start;
+        let structure = outline.globals.iter().find(|global| {
+            global.kind == GlobalKind::Struct && outline.span_of(&global.tokens).contains(&wanted)
+        });
+        if let Some(name) = structure.and_then(|structure| structure.name) {
+            self.labels[0] = (outline.span(name), "its members are declared here".into());
+            self.labels.swap(0, 1);
+        }
+    }
+
     /// Whether the parser had expected a `;`.
     pub(crate) fn lacks_semicolon(&self) -> bool {
         expected(&self.message) == Some("`;`")
@@ -58,7 +88,8 @@ impl Problem {
             .first()
             .is_some_and(|(span, _)| span.start >= length);
         let lacks_semicolon = self.lacks_semicolon();
-        let mut message = in_user_terms(&self.message);
+        let (mut message, remedy) =
+            in_plain_words(&self.message).unwrap_or_else(|| (in_user_terms(&self.message), None));
         if ended {
             // naga read on into the prelude: it wanted more of the file.
             let expected = message.split(", found").next().unwrap_or_default();
@@ -68,15 +99,19 @@ impl Problem {
         let mut labels: Vec<_> = self
             .labels
             .into_iter()
-            .filter(|(span, _)| span.start < length && span.end <= length)
+            .filter(|(span, _)| span.start < length)
+            .map(|(span, text)| (span.start..span.end.min(length), text))
             .collect();
         if labels.is_empty() {
             let function = self
                 .function
                 .as_deref()
                 .and_then(|name| outline.function(name));
-            let last = outline.tokens.tokens.len().saturating_sub(1);
-            let place = function.map_or(last, |function| function.name);
+            let place = match function.or_else(|| outline.function("userProc")) {
+                _ if ended => outline.tokens.tokens.len().saturating_sub(1),
+                Some(function) => function.name,
+                None => 0,
+            };
             labels.push((outline.span(place), String::new()));
         }
         let found = labels.clone();
@@ -103,7 +138,7 @@ impl Problem {
                 diagnostic = diagnostic.with_secondary(file, span, text);
             }
         }
-        for note in plain_notes(&self.notes) {
+        for note in plain_notes(&self.notes).into_iter().chain(remedy) {
             diagnostic = diagnostic.with_note(note);
         }
         if ended {

@@ -1,5 +1,7 @@
 //! Finds what a file reads: every `readAttr(NAME)` and `readGlobal(NAME)`, and every misuse of those names.
 
+use std::collections::HashSet;
+
 use crate::attribute::{Attribute, BUILTIN_ATTRIBUTES, BuiltinAttribute, GLOBALS, Global};
 use crate::diagnostic::{Diagnostic, Diagnostics, SourceFile};
 use crate::scope::{Outline, Role};
@@ -27,6 +29,7 @@ pub(crate) struct Read {
 pub(crate) fn find_reads(file: &SourceFile, outline: &Outline<'_>) -> (Vec<Read>, Diagnostics) {
     let mut reads = Vec::new();
     let mut problems = Diagnostics::new();
+    let custom = custom_reads(outline);
     let mut at = 0;
     while at < outline.tokens.tokens.len() {
         let predeclared = outline.roles[at] == Role::Predeclared;
@@ -49,7 +52,8 @@ pub(crate) fn find_reads(file: &SourceFile, outline: &Outline<'_>) -> (Vec<Read>
             at = close + 1;
             continue;
         }
-        if let Some(reader) = reader_of(word).filter(|_| predeclared) {
+        let of_mesh = || (is_custom(word) && custom.contains(word)).then_some("readAttr");
+        if let Some(reader) = reader_of(word).or_else(of_mesh).filter(|_| predeclared) {
             problems.push(
                 Diagnostic::error(format!("`{word}` is a name to be read, not a value"))
                     .with_label(file, outline.span(at), "")
@@ -59,6 +63,23 @@ pub(crate) fn find_reads(file: &SourceFile, outline: &Outline<'_>) -> (Vec<Read>
         at += 1;
     }
     (reads, problems)
+}
+
+/// Whether an attribute of the mesh may be called so.
+fn is_custom(name: &str) -> bool {
+    name.starts_with('_') && name.len() > 1
+}
+
+/// The attributes of the mesh that a file reads: by themselves their names are nothing.
+fn custom_reads<'a>(outline: &Outline<'a>) -> HashSet<&'a str> {
+    let tokens = 0..outline.tokens.tokens.len();
+    let readers = tokens.filter(|&at| {
+        outline.roles[at] == Role::Predeclared
+            && outline.word(at) == "readAttr"
+            && outline.word(at + 1) == "("
+    });
+    let names = readers.map(|at| outline.word(at + 2));
+    names.filter(|name| is_custom(name)).collect()
 }
 
 /// Whether the language's `tex2DLod` is mentioned.
@@ -100,7 +121,7 @@ fn read(
             )));
     }
     let word = outline.word(name);
-    let custom = reader == "readAttr" && word.starts_with('_') && word.len() > 1;
+    let custom = reader == "readAttr" && is_custom(word);
     let local = match outline.roles[name] {
         Role::Local(declared) => Some(declared),
         // A file may declare `const _WETNESS = 0u;` itself to be valid WGSL elsewhere.

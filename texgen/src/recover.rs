@@ -5,27 +5,49 @@
 //! name which is declared there; the condition of an `if`; a whole function or declaration where nothing less will do. What is
 //! found in the rest is an error whatever stands in the parts that are gone.
 
-use std::collections::{BTreeMap, BTreeSet};
+mod own_names;
+mod search;
+mod statements;
+
+use std::cell::OnceCell;
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::ops::Range;
 
+use own_names::OwnNames;
+use statements::{Statement, Statements};
+
 use crate::problem::{Conversion, Problem};
-use crate::scope::{GlobalDecl, Outline};
+use crate::scope::{GlobalDecl, Outline, skip_template};
 use crate::tokens::TokenKind;
+use crate::verdict;
 
 /// The file as naga is given it.
 pub(crate) struct Attempt<'o, 'a> {
     outline: &'o Outline<'a>,
+    names: OwnNames<'a>,
     /// Functions without their bodies.
     stubs: BTreeSet<usize>,
-    /// Parts that are cut out, by their first token.
+    /// Parts that are cut out, by their first token. None lies in another one.
     cuts: BTreeMap<usize, Cut>,
     /// Tokens behind which a `;` is missing.
     semicolons: BTreeSet<usize>,
-    /// Names that are gone: of a function, or of the file.
-    gone: BTreeSet<(Option<usize>, &'a str)>,
+    /// Names that are gone.
+    gone: BTreeSet<Lost<'a>>,
+    /// Names that are to go, with what needs them.
+    lost: Vec<Lost<'a>>,
     /// What comes behind the file's text.
     tail: String,
+    /// Bytes that were read for the places of errors.
+    searched: usize,
+    /// How each function is left early.
+    ways_out: Vec<WayOut>,
+    statements: OnceCell<Statements>,
+    /// The tokens that each name stands at, but as a member.
+    mentions: OnceCell<HashMap<&'a str, Vec<usize>>>,
 }
+
+/// A name of a function, or of the file.
+type Lost<'a> = (Option<usize>, &'a str);
 
 /// Something that is cut out, and what takes its place.
 #[derive(Clone, Debug)]
@@ -43,19 +65,60 @@ enum Instead {
     False,
 }
 
+/// A `return` of zero.
+struct WayOut {
+    text: String,
+    /// What has to be declared for it: where a local hides the name of the result type, or where that is long.
+    alias: Option<String>,
+    /// Whether naga misses it at the end of the function.
+    is_missing: bool,
+}
+
+/// A result type of more bytes than this isn't written into each `return` of its function.
+const LONG_TYPE: usize = 100;
+
+/// How much of the file is tried.
+struct Part<'p> {
+    /// The functions that have their bodies.
+    functions: Range<usize>,
+    /// The token that their text ends in front of, and what stands there instead.
+    end: Option<(usize, &'p str)>,
+}
+
 /// A part of the file's text, in bytes, and what it becomes.
 type Edit = (Range<usize>, String);
 
 impl<'o, 'a> Attempt<'o, 'a> {
     /// The whole file with `tail` behind it.
     pub(crate) fn new(outline: &'o Outline<'a>, tail: String) -> Self {
+        let names = OwnNames::new(outline, &tail);
         Self {
             outline,
             stubs: BTreeSet::new(),
             cuts: BTreeMap::new(),
             semicolons: BTreeSet::new(),
             gone: BTreeSet::new(),
+            lost: Vec::new(),
+            searched: 0,
+            ways_out: ways_out(outline, &names.text),
+            statements: OnceCell::new(),
+            mentions: OnceCell::new(),
+            names,
             tail,
+        }
+    }
+
+    /// What naga says of a text that was made of the file's, in the file's names.
+    pub(crate) fn check(&self, text: &str) -> Result<naga::Module, Problem> {
+        match verdict::check(text) {
+            Ok(mut module) => {
+                self.names.restore(&mut module);
+                Ok(module)
+            }
+            Err(mut problem) => {
+                self.names.speak(&mut problem);
+                Err(problem)
+            }
         }
     }
 
@@ -64,24 +127,20 @@ impl<'o, 'a> Attempt<'o, 'a> {
     pub(crate) fn cut_tokens(&mut self, tokens: Range<usize>, names: &[&'a str]) {
         let at = tokens.start;
         let function = self.function_at(at);
-        let is_in_global = |global: &GlobalDecl| (global.keyword..global.tokens.end).contains(&at);
+        let global = self.global_at(at).filter(|global| global.keyword <= at);
         match function {
             Some(function) if self.is_in_body(function, at) => {
                 if !self.cut_statement(at) && !self.is_cut(at) {
                     self.stubs.insert(function);
                 }
             }
-            _ if self.outline.globals.iter().any(is_in_global) => {
+            _ if global.is_some() => {
                 self.drop_global(at);
             }
-            _ => {
-                let instead = Instead::Nothing;
-                self.cuts.insert(at, Cut { tokens, instead });
-            }
+            _ => self.cut(tokens, Instead::Nothing),
         }
-        for name in names {
-            self.lose(function, name);
-        }
+        self.lost.extend(names.iter().map(|&name| (function, name)));
+        self.settle();
     }
 
     /// Whether a problem may come of what was cut out before.
@@ -91,11 +150,17 @@ impl<'o, 'a> Attempt<'o, 'a> {
         };
         let body = self.outline.functions[function].body.clone();
         problem.message.starts_with("The `return` expression None")
-            && self.cuts.keys().any(|start| body.contains(start))
+            && self.cuts.range(body).next().is_some()
     }
 
     /// Cuts out what has a problem. False where nothing is to be done any more.
     pub(crate) fn mend(&mut self, problem: &Problem) -> bool {
+        let goes_on = self.cut_out(problem);
+        self.settle();
+        goes_on
+    }
+
+    fn cut_out(&mut self, problem: &Problem) -> bool {
         let place = problem.labels.first().map(|(span, _)| span.start);
         let Some(place) = place.filter(|&place| place < self.outline.text.len()) else {
             return match problem.function_in(self.outline) {
@@ -131,183 +196,186 @@ impl<'o, 'a> Attempt<'o, 'a> {
 
     fn function_at(&self, at: usize) -> Option<usize> {
         let functions = &self.outline.functions;
-        functions
-            .iter()
-            .position(|function| (function.keyword..function.body.end).contains(&at))
+        let behind = functions.partition_point(|function| function.keyword <= at);
+        let index = behind.checked_sub(1)?;
+        (at < functions[index].body.end).then_some(index)
     }
 
     fn is_in_body(&self, function: usize, at: usize) -> bool {
         self.outline.functions[function].body.contains(&at)
     }
 
+    fn global_at(&self, at: usize) -> Option<&'o GlobalDecl> {
+        let globals = &self.outline.globals;
+        let index = globals.partition_point(|global| global.tokens.end <= at);
+        globals
+            .get(index)
+            .filter(|global| global.tokens.contains(&at))
+    }
+
+    /// The statement of a function's body that a token lies in.
+    fn statement(&self, at: usize) -> Option<Statement> {
+        self.statements().at(at).cloned()
+    }
+
+    fn statements(&self) -> &Statements {
+        self.statements
+            .get_or_init(|| Statements::new(self.outline))
+    }
+
     /// Cuts out the statement that a token lies in. False where that can't be done, or was done before.
     fn cut_statement(&mut self, at: usize) -> bool {
+        let outline = self.outline;
         let Some(function) = self.function_at(at) else {
             return false;
         };
-        let Some(statement) = self.statement(function, at) else {
+        let Some(Statement { tokens, block }) = self.statement(at) else {
             return false;
         };
-        let word = |at: usize| self.outline.word(at);
-        let start = statement.tokens.start;
+        let word = |at: usize| outline.word(at);
+        let start = tokens.start;
         let is_else = usize::from(word(start) == "else");
-        let (tokens, instead, name) = match (word(start + is_else), &statement.block) {
-            ("if" | "while", Some(block)) => {
-                let condition = start + is_else + 1..block.start;
-                (condition, Instead::False, None)
+        let (tokens, instead, name) = match (word(start + is_else), block) {
+            ("if" | "while", Some(block)) => (start + is_else + 1..block, Instead::False, None),
+            ("for" | "switch" | "loop", Some(block)) => {
+                (start..outline.closing(block) + 1, Instead::Nothing, None)
             }
-            ("for" | "switch" | "loop", Some(block)) => (start..block.end, Instead::Nothing, None),
             (_, Some(_)) => return false,
-            ("return", None) => (statement.tokens, Instead::Return, None),
-            ("let" | "const", None) => {
-                let name = word(start + 1);
-                (statement.tokens, Instead::Nothing, Some(name))
-            }
+            ("return", None) => (tokens, Instead::Return, None),
+            ("let" | "const", None) => (tokens, Instead::Nothing, Some(word(start + 1))),
             ("var", None) => {
-                let name = crate::scope::skip_template(&self.outline.tokens.tokens, start + 1);
-                (statement.tokens, Instead::Nothing, Some(word(name)))
+                let name = skip_template(&outline.tokens.tokens, start + 1);
+                (tokens, Instead::Nothing, Some(word(name)))
             }
             // The end of a `continuing` block: the loop must not lose its way out.
-            ("break", None) if word(start + 1) == "if" => {
-                let condition = start + 2..statement.tokens.end.saturating_sub(1);
-                (condition, Instead::False, None)
-            }
-            _ => (statement.tokens, Instead::Nothing, None),
+            ("break", None) if word(start + 1) == "if" => (
+                start + 2..tokens.end.saturating_sub(1),
+                Instead::False,
+                None,
+            ),
+            _ => (tokens, Instead::Nothing, None),
         };
         if tokens.is_empty() || self.is_cut(tokens.start) {
             return false;
         }
-        self.cuts.insert(tokens.start, Cut { tokens, instead });
-        if let Some(name) = name {
-            self.lose(Some(function), name);
-        }
+        self.cut(tokens, instead);
+        self.lost.extend(name.map(|name| (Some(function), name)));
         true
+    }
+
+    /// Cuts out tokens, of which the first is not gone yet.
+    fn cut(&mut self, tokens: Range<usize>, instead: Instead) {
+        if tokens.is_empty() || self.is_cut(tokens.start) {
+            return;
+        }
+        let inside = self.cuts.range(tokens.clone());
+        let inside: Vec<usize> = inside.map(|(&start, _)| start).collect();
+        for start in inside {
+            self.cuts.remove(&start);
+        }
+        self.cuts.insert(tokens.start, Cut { tokens, instead });
     }
 
     /// Whether a token is gone already.
     fn is_cut(&self, at: usize) -> bool {
-        let before = self.cuts.range(..=at).map(|(_, cut)| cut);
-        before.into_iter().any(|cut| cut.tokens.contains(&at))
+        let before = self.cuts.range(..=at).next_back();
+        before.is_some_and(|(_, cut)| cut.tokens.contains(&at))
     }
 
-    /// The statement of a function's body that a token lies in.
-    fn statement(&self, function: usize, at: usize) -> Option<Statement> {
-        let body = &self.outline.functions[function].body;
-        let (mut start, mut depth) = (body.start + 1, 0usize);
-        for before in body.start + 1..at {
-            match self.outline.word(before) {
-                "(" | "[" => depth += 1,
-                ")" | "]" => depth = depth.saturating_sub(1),
-                ";" if depth == 0 => start = before + 1,
-                "{" | "}" => (start, depth) = (before + 1, 0),
-                _ => {}
-            }
-        }
-        for end in at..body.end {
-            match self.outline.word(end) {
-                "(" | "[" => depth += 1,
-                ")" | "]" => depth = depth.saturating_sub(1),
-                ";" if depth == 0 => {
-                    return Some(Statement {
-                        tokens: start..end + 1,
-                        block: None,
-                    });
-                }
-                "{" => {
-                    let block = end..self.outline.closing(end) + 1;
-                    return Some(Statement {
-                        tokens: start..end,
-                        block: Some(block),
-                    });
-                }
-                // The last one of a block, without its semicolon.
-                "}" => {
-                    return (start < end).then_some(Statement {
-                        tokens: start..end,
-                        block: None,
-                    });
-                }
-                _ => {}
-            }
-        }
-        None
-    }
-
-    /// Cuts out a declaration of module scope, and what needs it.
+    /// Cuts out a declaration of module scope. False where there is none, or it is gone.
     fn drop_global(&mut self, at: usize) -> bool {
-        let mut globals = self.outline.globals.iter();
-        let Some(global) = globals.find(|global| global.tokens.contains(&at)) else {
+        let Some(global) = self.global_at(at) else {
             return false;
         };
         let tokens = global.tokens.clone();
         if tokens.is_empty() || self.is_cut(tokens.start) {
             return false;
         }
-        let instead = Instead::Nothing;
-        self.cuts.insert(tokens.start, Cut { tokens, instead });
-        if let Some(name) = global.name {
-            self.lose(None, self.outline.word(name));
-        }
+        self.cut(tokens, Instead::Nothing);
+        let name = global.name.map(|name| self.outline.word(name));
+        self.lost.extend(name.map(|name| (None, name)));
         true
     }
 
     /// Cuts out what needs a name that is gone: in a function, or anywhere.
-    fn lose(&mut self, function: Option<usize>, name: &'a str) {
-        if !self.gone.insert((function, name)) {
-            return;
-        }
-        let everything = 0..self.outline.tokens.tokens.len();
-        let range = function.map_or(everything, |function| {
-            self.outline.functions[function].body.clone()
-        });
-        for at in range {
-            let token = self.outline.tokens.tokens[at];
-            let is_name = token.kind == TokenKind::Word && token.text == name;
-            if !is_name || (at > 0 && self.outline.word(at - 1) == ".") || self.is_cut(at) {
+    fn settle(&mut self) {
+        while let Some((function, name)) = self.lost.pop() {
+            if !self.gone.insert((function, name)) {
                 continue;
             }
-            match self.function_at(at) {
-                Some(function) if self.is_in_body(function, at) => {
-                    if !self.cut_statement(at) {
-                        self.stubs.insert(function);
-                    }
+            for at in self.mentions(function, name) {
+                if self.is_cut(at) {
+                    continue;
                 }
-                _ => {
-                    self.drop_global(at);
+                match self.function_at(at) {
+                    Some(function) if self.is_in_body(function, at) => {
+                        if !self.stubs.contains(&function) && !self.cut_statement(at) {
+                            self.stubs.insert(function);
+                        }
+                    }
+                    _ => {
+                        self.drop_global(at);
+                    }
                 }
             }
         }
     }
 
-    /// A zero of a function's result type, and the alias to be declared for it where a local hides the type's name.
-    fn zero(&self, index: usize) -> (String, Option<String>) {
-        let function = &self.outline.functions[index];
-        let result = &self.outline.text[self.outline.span_of(&function.result)];
-        if !self.outline.shadows_its_result(function) {
-            return (format!("{result}()"), None);
-        }
-        let name = format!("patina_result{index}");
-        let alias = format!("alias {name} = {result};\n");
-        (format!("{name}()"), Some(alias))
+    /// The tokens of a function's body, or of the file, that are this name.
+    fn mentions(&self, function: Option<usize>, name: &str) -> Vec<usize> {
+        let all = self.mentions.get_or_init(|| {
+            let mut all: HashMap<&'a str, Vec<usize>> = HashMap::new();
+            for (at, token) in self.outline.tokens.tokens.iter().enumerate() {
+                let is_member = at > 0 && self.outline.word(at - 1) == ".";
+                if token.kind == TokenKind::Word && !is_member {
+                    all.entry(token.text).or_default().push(at);
+                }
+            }
+            all
+        });
+        let Some(places) = all.get(name) else {
+            return Vec::new();
+        };
+        let Some(function) = function else {
+            return places.clone();
+        };
+        let body = &self.outline.functions[function].body;
+        let first = places.partition_point(|&at| at < body.start);
+        let end = places.partition_point(|&at| at < body.end);
+        places[first..end].to_vec()
     }
 
     /// The text, and the edits that made it of the file's.
     pub(crate) fn text(&self) -> (String, Edits) {
+        self.text_of(&Part {
+            functions: 0..self.outline.functions.len(),
+            end: None,
+        })
+    }
+
+    /// The text of a part of the file, with all declarations and without the other functions' bodies.
+    fn text_of(&self, part: &Part<'_>) -> (String, Edits) {
         let mut edits: Vec<Edit> = Vec::new();
-        let mut aliases = BTreeSet::new();
+        let mut left = BTreeSet::new();
         let mut way_out = |function: usize| {
-            if self.outline.functions[function].result.is_empty() {
-                return "return;".to_owned();
-            }
-            let (zero, alias) = self.zero(function);
-            aliases.extend(alias);
-            format!("return {zero};")
+            left.insert(function);
+            self.ways_out[function].text.clone()
         };
         for (index, function) in self.outline.functions.iter().enumerate() {
-            if self.stubs.contains(&index) {
-                let body = self.outline.span_of(&function.body);
+            let body = self.outline.span_of(&function.body);
+            if self.stubs.contains(&index) || !part.functions.contains(&index) {
                 edits.push((body, format!("{{ {} }}", way_out(index))));
-            } else if self.outline.ends_with_endless_loop(function) {
+            } else if let Some((end, instead)) = part.end {
+                let start = self.outline.span(end - 1).end;
+                let tokens = function.body.start..end;
+                let open = tokens.fold(0usize, |open, at| match self.outline.word(at) {
+                    "{" => open + 1,
+                    "}" => open.saturating_sub(1),
+                    _ => open,
+                });
+                let end = start.max(body.end);
+                edits.push((start..end, format!(" {instead} {}", "}".repeat(open))));
+            } else if self.ways_out[index].is_missing {
                 let at = self.outline.span(function.body.end - 1).start;
                 edits.push((at..at, format!(" {}", way_out(index))));
             }
@@ -326,31 +394,53 @@ impl<'o, 'a> Attempt<'o, 'a> {
         }
         // Of two that overlap the outer one holds.
         edits.sort_by_key(|(span, _)| (span.start, std::cmp::Reverse(span.end)));
-        let mut text = String::with_capacity(self.outline.text.len() + self.tail.len());
+        let source = &self.names.text;
+        let mut text = String::with_capacity(source.len() + self.tail.len());
         let mut done = Edits(Vec::new());
         let mut at = 0;
         for (span, instead) in edits {
             if span.start < at {
                 continue;
             }
-            text.push_str(&self.outline.text[at..span.start]);
+            text.push_str(&source[at..span.start]);
             done.0
                 .push((text.len()..text.len() + instead.len(), span.clone()));
             text.push_str(&instead);
             at = span.end;
         }
-        text.push_str(&self.outline.text[at..]);
+        text.push_str(&source[at..]);
         text.push_str(&self.tail);
-        text.extend(aliases);
+        let aliases = left.iter().map(|&function| &self.ways_out[function].alias);
+        text.extend(aliases.flatten().map(String::as_str));
         (text, done)
     }
 }
 
-/// Tokens of a statement, its `;` included; of one with a block, those before the block.
-struct Statement {
-    tokens: Range<usize>,
-    /// `{` to `}`.
-    block: Option<Range<usize>>,
+/// How each function is left, in the words of `source`.
+fn ways_out(outline: &Outline<'_>, source: &str) -> Vec<WayOut> {
+    let functions = outline.functions.iter().enumerate();
+    functions
+        .map(|(index, function)| {
+            let is_missing = outline.ends_with_endless_loop(function);
+            let (text, alias) = if function.result.is_empty() {
+                ("return;".to_owned(), None)
+            } else {
+                let result = &source[outline.span_of(&function.result)];
+                if result.len() > LONG_TYPE || outline.shadows_its_result(function) {
+                    let name = format!("patina_result{index}");
+                    let alias = format!("alias {name} = {result};\n");
+                    (format!("return {name}();"), Some(alias))
+                } else {
+                    (format!("return {result}();"), None)
+                }
+            };
+            WayOut {
+                text,
+                alias,
+                is_missing,
+            }
+        })
+        .collect()
 }
 
 /// Where the text that naga sees differs from the file's: the bytes there, and the bytes of the file that they stand for.

@@ -14,12 +14,15 @@ use crate::tokens::TokenKind;
 /// Largest file accepted, bytes. Far beyond any texture; keeps compile time and memory bounded.
 pub(crate) const MAX_FILE_BYTES: usize = 256 * 1024;
 
-/// Most tokens of one expression without brackets, and most module-scope declarations of a file. Compilers recurse
-/// along both, and a stack overflow can't be caught.
+/// Most tokens of one expression or statement, where of brackets beside each other only the deepest counts beyond itself, and
+/// most module-scope declarations of a file. Compilers recurse along both, and a stack overflow can't be caught.
 const MAX_CHAIN: usize = 1000;
 
 /// Most tokens of a texture once all calls are expanded. A file of some lines can hold 2^30 calls without a loop.
 const MAX_EXPANDED: u64 = 200_000;
+
+/// Most tokens of constants, each written out wherever a function names it.
+const MAX_COPIED: u64 = 1_000_000;
 
 /// Finds all refused constructs of a file.
 pub(crate) fn refused(file: &SourceFile, outline: &Outline<'_>) -> Diagnostics {
@@ -39,31 +42,16 @@ pub(crate) fn refused(file: &SourceFile, outline: &Outline<'_>) -> Diagnostics {
 
 /// Finds what compilers could not survive.
 pub(crate) fn too_deep(file: &SourceFile, outline: &Outline<'_>) -> Option<Diagnostic> {
-    // Tokens since the last separator: of the innermost bracket, and those of the brackets around it.
-    let mut length = 0;
-    let mut outer = Vec::new();
-    for (at, token) in outline.tokens.tokens.iter().enumerate() {
-        match token.text {
-            "(" | "[" | "{" => outer.push(std::mem::take(&mut length)),
-            "}" if outline.word(at + 1) != "else" => {
-                outer.pop();
-                length = 0;
-            }
-            ")" | "]" | "}" => length = outer.pop().unwrap_or(0),
-            "," | ";" => length = 0,
-            _ => length += 1,
-        }
-        if length > MAX_CHAIN {
-            return Some(
-                Diagnostic::error("this expression is too long")
-                    .with_label(
-                        file,
-                        token.span(),
-                        format!("more than {MAX_CHAIN} names and operators in a row"),
-                    )
-                    .with_note("split it up with `let`"),
-            );
-        }
+    if let Some(at) = too_long_a_chain(outline) {
+        return Some(
+            Diagnostic::error("this expression is too long")
+                .with_label(
+                    file,
+                    outline.span(at),
+                    format!("more than {MAX_CHAIN} names and operators, in brackets or in a row"),
+                )
+                .with_note("split it up with `let`"),
+        );
     }
     if let Some(extra) = outline.globals.get(MAX_CHAIN) {
         return Some(
@@ -85,6 +73,19 @@ pub(crate) fn too_deep(file: &SourceFile, outline: &Outline<'_>) -> Option<Diagn
             .with_note("hold less in it, or arrays in the place of many members"),
         );
     }
+    if let Some(at) = too_much_copied(outline) {
+        return Some(
+            Diagnostic::error(
+                "the constants are too large once they are written out wherever functions name them",
+            )
+            .with_label(
+                file,
+                outline.span(at),
+                format!("more than {MAX_COPIED} names and operators up to here"),
+            )
+            .with_note("put tables into images, or into `array<T, N>` parameters of `userProc`, which are read in place"),
+        );
+    }
     let entry = outline.function("userProc")?;
     let size = expanded_size(outline);
     (size > MAX_EXPANDED).then(|| {
@@ -100,6 +101,57 @@ pub(crate) fn too_deep(file: &SourceFile, outline: &Outline<'_>) -> Option<Diagn
             "call functions from loops rather than many times in a row, or split the texture up",
         )
     })
+}
+
+/// What is in a bracket, or in none, as far as it has been read: how deep a compiler recurses along it.
+#[derive(Clone, Copy, Default)]
+struct Depth {
+    /// Tokens since the last separator: each operator may be around all before it. A bracket with what is in it is one.
+    chain: usize,
+    /// Of the brackets among them that of the deepest.
+    inner: usize,
+    /// Of all up to the last separator.
+    before: usize,
+}
+
+impl Depth {
+    fn whole(self) -> usize {
+        self.before.max(self.chain + self.inner)
+    }
+
+    fn separate(&mut self) {
+        *self = Self {
+            before: self.whole(),
+            ..Self::default()
+        };
+    }
+}
+
+/// The token up to which an expression or a statement is longer than compilers survive.
+fn too_long_a_chain(outline: &Outline<'_>) -> Option<usize> {
+    let mut depth = Depth::default();
+    let mut outer = Vec::new();
+    for (at, token) in outline.tokens.tokens.iter().enumerate() {
+        match token.text {
+            "(" | "[" | "{" => outer.push(std::mem::take(&mut depth)),
+            ")" | "]" | "}" => {
+                let inner = depth.whole();
+                depth = outer.pop().unwrap_or_default();
+                depth.chain += 1;
+                depth.inner = depth.inner.max(inner);
+            }
+            "," | ";" => depth.separate(),
+            _ => depth.chain += 1,
+        }
+        if depth.whole() > MAX_CHAIN {
+            return Some(at);
+        }
+        // Each `else if` is within the former one.
+        if token.text == "}" && outline.word(at + 1) != "else" {
+            depth.separate();
+        }
+    }
+    None
 }
 
 /// Tokens of `userProc` with every call replaced by the function's body, again and again. Saturates.
@@ -123,29 +175,86 @@ fn expanded_size(outline: &Outline<'_>) -> u64 {
     entry.map_or(0, |entry| expanded(&own, &calls)[entry])
 }
 
+/// Declarations of module scope, each with those that it uses written out in their places.
+struct WrittenOut<'o, 'a> {
+    declarations: Vec<&'o GlobalDecl>,
+    by_name: HashMap<&'a str, usize>,
+    /// Tokens of each.
+    sizes: Vec<u64>,
+}
+
+impl<'o, 'a> WrittenOut<'o, 'a> {
+    fn new(outline: &'o Outline<'a>, kinds: &[GlobalKind]) -> Self {
+        let declarations: Vec<&GlobalDecl> = (outline.globals.iter())
+            .filter(|global| kinds.contains(&global.kind))
+            .collect();
+        let by_name: HashMap<&str, usize> = (declarations.iter().enumerate())
+            .filter_map(|(index, global)| Some((outline.word(global.name?), index)))
+            .collect();
+        let own: Vec<u64> = (declarations.iter())
+            .map(|global| global.tokens.len() as u64)
+            .collect();
+        let uses: Vec<Vec<usize>> = (declarations.iter())
+            .map(|global| {
+                let tokens = global.tokens.clone();
+                // Not its own name, nor those of members.
+                let names =
+                    tokens.filter(|&at| Some(at) != global.name && outline.word(at + 1) != ":");
+                names
+                    .filter_map(|at| by_name.get(outline.word(at)).copied())
+                    .collect()
+            })
+            .collect();
+        Self {
+            sizes: expanded(&own, &uses),
+            declarations,
+            by_name,
+        }
+    }
+}
+
 /// The structure that is the largest once those in it are written out, if it is too large; naga walks through such a
 /// structure member by member.
 fn too_large_structure(outline: &Outline<'_>) -> Option<usize> {
-    let types: Vec<&GlobalDecl> = (outline.globals.iter())
-        .filter(|global| matches!(global.kind, GlobalKind::Struct | GlobalKind::Alias))
-        .collect();
-    let by_name: HashMap<&str, usize> = (types.iter().enumerate())
-        .filter_map(|(index, global)| Some((outline.word(global.name?), index)))
-        .collect();
-    let own: Vec<u64> = types.iter().map(|ty| ty.tokens.len() as u64).collect();
-    let uses: Vec<Vec<usize>> = (types.iter())
-        .map(|ty| {
-            let tokens = ty.tokens.clone();
-            // Not its own name, nor those of members.
-            let names = tokens.filter(|&at| Some(at) != ty.name && outline.word(at + 1) != ":");
-            names
-                .filter_map(|at| by_name.get(outline.word(at)).copied())
-                .collect()
-        })
-        .collect();
-    let sizes = expanded(&own, &uses);
-    let largest = (0..types.len()).max_by_key(|&index| (sizes[index], std::cmp::Reverse(index)))?;
-    (sizes[largest] > MAX_EXPANDED).then(|| types[largest].name.unwrap_or(types[largest].keyword))
+    let types = WrittenOut::new(outline, &[GlobalKind::Struct, GlobalKind::Alias]);
+    let largest = (0..types.declarations.len())
+        .max_by_key(|&index| (types.sizes[index], std::cmp::Reverse(index)))?;
+    let declaration = types.declarations[largest];
+    (types.sizes[largest] > MAX_EXPANDED).then(|| declaration.name.unwrap_or(declaration.keyword))
+}
+
+/// The place in a function by which constants have been named too often for their size: naga may copy all that is in one
+/// wherever it is named.
+fn too_much_copied(outline: &Outline<'_>) -> Option<usize> {
+    let constants = WrittenOut::new(outline, &[GlobalKind::Const]);
+    let mut copied = 0u64;
+    for function in &outline.functions {
+        // Those of the function by their declaring tokens.
+        let mut local: HashMap<usize, u64> = HashMap::new();
+        let mut declared: Option<(usize, u64)> = None;
+        for at in function.body.clone() {
+            let word = outline.word(at);
+            match word {
+                "const" => declared = Some((at + 1, 0)),
+                ";" => local.extend(declared.take()),
+                _ => {}
+            }
+            let size = match outline.roles[at] {
+                Role::Global => (constants.by_name.get(word)).map(|&index| constants.sizes[index]),
+                Role::Local(name) => local.get(&name).copied(),
+                Role::Other | Role::Predeclared => None,
+            };
+            let size = size.unwrap_or(0);
+            if let Some((_, tokens)) = &mut declared {
+                *tokens = tokens.saturating_add(size.max(1));
+            }
+            copied = copied.saturating_add(size);
+            if copied > MAX_COPIED {
+                return Some(at);
+            }
+        }
+    }
+    None
 }
 
 /// The size of each of some things with everything that it uses written out in its place, again and again: its own size,

@@ -1,6 +1,7 @@
 //! The changes that turn a user's text into its section of the kernel: prefixes on module-scope names, calls that
 //! read attributes, array parameters read in place, guards in loops. Comments, formatting and lines stay as they are.
 
+use std::collections::BTreeSet;
 use std::ops::Range;
 
 use crate::attribute::{Attribute, BuiltinAttribute};
@@ -64,6 +65,11 @@ pub(crate) fn attribute_read(attribute: &Attribute) -> String {
     }
 }
 
+/// Whether the array parameter that token `at` names is read element by element there; else the kernel copies it.
+pub(crate) fn is_read_in_place(outline: &Outline<'_>, at: usize) -> bool {
+    outline.word(at + 1) == "["
+}
+
 /// Works out the edits. `parameters` are the types of `userProc`'s parameters in order.
 pub(crate) fn rewrite(
     outline: &Outline<'_>,
@@ -73,7 +79,7 @@ pub(crate) fn rewrite(
     let mut rewriter = Rewriter {
         outline,
         edits: Vec::new(),
-        aliased: Vec::new(),
+        aliased: BTreeSet::new(),
     };
     // Guards first: where two insertions meet, the guard stands before the statement.
     let guards_loops = rewriter.loop_guards();
@@ -93,9 +99,12 @@ pub(crate) fn rewrite(
 struct Rewriter<'o, 'a> {
     outline: &'o Outline<'a>,
     edits: Vec<TextEdit>,
-    /// Functions whose result type needs a name that no local has.
-    aliased: Vec<usize>,
+    /// Functions whose result type needs a name that no local has, or a short one.
+    aliased: BTreeSet<usize>,
 }
+
+/// A result type of more bytes than this isn't written into each loop of its function, of which there may be thousands.
+const LONG_TYPE: usize = 100;
 
 impl Rewriter<'_, '_> {
     fn replace(&mut self, span: Range<usize>, text: impl Into<String>) {
@@ -183,7 +192,7 @@ impl Rewriter<'_, '_> {
                     continue;
                 }
                 let name = self.outline.span(at);
-                if self.outline.word(at + 1) == "[" {
+                if is_read_in_place(self.outline, at) {
                     self.replace(
                         name.start..name.start,
                         format!("{}(", element_reader(element)),
@@ -203,15 +212,14 @@ impl Rewriter<'_, '_> {
 
     /// Every loop that isn't plainly short ends once a texture's evaluation has used up its iterations.
     fn loop_guards(&mut self) -> bool {
-        let looping = functions_that_loop(self.outline);
+        let outline = self.outline;
         let mut any = false;
-        for index in 0..self.outline.loops.len() {
-            if is_plainly_short(self.outline, index, &looping) {
+        for (the_loop, is_short) in outline.loops.iter().zip(plainly_short(outline)) {
+            if is_short {
                 continue;
             }
             any = true;
-            let the_loop = &self.outline.loops[index];
-            let behind_brace = self.outline.span(the_loop.body.start).end;
+            let behind_brace = outline.span(the_loop.body.start).end;
             let mut pieces = vec![Piece::Text(" if patina_loops_spent() { ".into())];
             pieces.extend(self.way_out(the_loop));
             pieces.push(Piece::Text(" }".into()));
@@ -238,10 +246,9 @@ impl Rewriter<'_, '_> {
             return vec![Piece::Text("return;".into())];
         }
         let mut pieces = vec![Piece::Text("return ".into())];
-        if self.outline.shadows_its_result(function) {
-            if !self.aliased.contains(&index) {
-                self.aliased.push(index);
-            }
+        let is_long = self.outline.span_of(&function.result).len() > LONG_TYPE;
+        if is_long || self.outline.shadows_its_result(function) {
+            self.aliased.insert(index);
             pieces.extend([Piece::Prefix, Piece::Text(alias_name(index))]);
         } else {
             pieces.extend(self.result_type(function));
@@ -263,7 +270,7 @@ impl Rewriter<'_, '_> {
         pieces
     }
 
-    /// Declares, behind the file's text, the result types that a local of their function hides.
+    /// Declares, behind the file's text, the result types that a local of their function hides, and long ones.
     fn aliases(&mut self) {
         let end = self.outline.text.len();
         for index in std::mem::take(&mut self.aliased) {
@@ -281,7 +288,7 @@ impl Rewriter<'_, '_> {
         }
     }
 
-    /// naga wants a `return` behind a `loop` that never ends.
+    /// naga wants a `return` at the end of a function, also where a loop that never ends is before it.
     fn returns_behind_loops(&mut self) {
         for (index, function) in self.outline.functions.iter().enumerate() {
             if self.outline.ends_with_endless_loop(function) {
@@ -297,7 +304,7 @@ impl Rewriter<'_, '_> {
     }
 }
 
-/// Name of the result type of the function with this number, where its own name is hidden.
+/// Name of the result type of the function with this number, where its own name is hidden or long.
 fn alias_name(function: usize) -> String {
     format!("patina_result{function}")
 }
@@ -330,27 +337,28 @@ fn functions_that_loop(outline: &Outline<'_>) -> Vec<bool> {
 /// Loops of at most this many iterations, nested ones multiplied, run without a guard.
 const SHORT: i64 = 64;
 
-/// Whether a loop counts with literals over few iterations and calls nothing that loops.
-fn is_plainly_short(outline: &Outline<'_>, index: usize, looping: &[bool]) -> bool {
-    let the_loop = &outline.loops[index];
-    let mut trips = 1i64;
-    for other in &outline.loops {
-        let contains =
-            other.body.start <= the_loop.body.start && the_loop.body.end <= other.body.end;
-        if contains {
-            match trip_count(outline, other) {
-                Some(count) => trips = trips.saturating_mul(count),
-                // Inside a guarded loop the guard of the outer one is enough, if this one is short itself.
-                None => continue,
-            }
-        }
+/// For each loop whether it counts with literals over few iterations and calls nothing that loops.
+fn plainly_short(outline: &Outline<'_>) -> Vec<bool> {
+    let looping = functions_that_loop(outline);
+    let calls_looping = |the_loop: &LoopDecl| {
+        let calls = outline.calls(the_loop.body.clone());
+        calls.iter().any(|&callee| looping[callee])
+    };
+    // The loops around the next one: where each ends, and its iterations multiplied with those of the ones around it.
+    let mut around: Vec<(usize, i64)> = Vec::new();
+    let mut short = Vec::with_capacity(outline.loops.len());
+    // A loop comes before those in it.
+    for the_loop in &outline.loops {
+        let body = &the_loop.body;
+        while around.pop_if(|last| last.0 <= body.start).is_some() {}
+        let count = trip_count(outline, the_loop);
+        let outer = around.last().map_or(1, |&(_, trips)| trips);
+        // Inside a guarded loop the guard of the outer one is enough, if this one is short itself.
+        let trips = outer.saturating_mul(count.unwrap_or(1));
+        around.push((body.end, trips));
+        short.push(count.is_some() && trips <= SHORT && !calls_looping(the_loop));
     }
-    trip_count(outline, the_loop).is_some()
-        && trips <= SHORT
-        && !outline
-            .calls(the_loop.body.clone())
-            .iter()
-            .any(|&callee| looping[callee])
+    short
 }
 
 /// Iterations of `for (var i = A; i < B; i++)` (or `<=`, `i += C`) with literals and a body that leaves `i` alone.
@@ -432,5 +440,42 @@ impl Cursor<'_, '_> {
         let value: i64 = digits.parse().ok().filter(|&value| value <= 1 << 20)?;
         self.at += 1;
         Some(sign * value)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Per loop, neither the other loops nor the function's body may be looked through.
+    #[test]
+    fn thousands_of_loops_are_guarded() {
+        for (one, count) in [("loop{}", 40_000), ("for(var i=0;i<9;i++){}", 10_000)] {
+            let loops = one.repeat(count);
+            let text = format!("fn userProc() -> vec4f {{ {loops} return vec4f(); }}");
+            let outline = Outline::new(&text);
+            let rewrite = rewrite(&outline, &[], &[]);
+            assert_eq!(rewrite.guards_loops, one == "loop{}");
+            // Beside the guards the prefix of `userProc`.
+            let guards = if rewrite.guards_loops { count } else { 0 };
+            assert_eq!(rewrite.edits.len(), guards + 1);
+        }
+    }
+
+    #[test]
+    fn a_long_result_type_is_written_once() {
+        let name = "A".repeat(10_000);
+        let text = format!(
+            "struct {name} {{ a: f32 }}\nfn f() -> {name} {{ {} }}\nfn userProc() -> f32 {{ return f().a; }}",
+            "while true { }".repeat(100)
+        );
+        let rewrite = rewrite(&Outline::new(&text), &[], &[]);
+        let pieces = rewrite.edits.iter().flat_map(|edit| &edit.pieces);
+        let bytes = pieces.map(|piece| match piece {
+            Piece::Text(text) => text.len(),
+            Piece::Prefix | Piece::CustomIndex(_) => 0,
+        });
+        let bytes: usize = bytes.sum();
+        assert!((10_000..20_000).contains(&bytes), "{bytes}");
     }
 }

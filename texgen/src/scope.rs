@@ -5,7 +5,9 @@
 //! of its declaration statement to the end of its block, a `for` initializer in the whole loop, a parameter in
 //! the body. It never judges: on text that isn't WGSL its answers mean nothing and naga reports the error.
 
-use std::collections::HashMap;
+mod ways;
+
+use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
 use crate::tokens::{Token, TokenKind, Tokens, tokenize};
@@ -67,6 +69,8 @@ pub(crate) struct FunctionDecl {
     pub(crate) result: Range<usize>,
     /// `{` and `}` of the body.
     pub(crate) body: Range<usize>,
+    /// See [`Outline::shadows_its_result`].
+    shadows_result: bool,
 }
 
 /// A loop.
@@ -117,6 +121,7 @@ impl<'a> Outline<'a> {
                 outline: &mut outline,
                 globals: &names,
                 scopes: Vec::new(),
+                locals: HashMap::new(),
             }
             .declaration(&global);
         }
@@ -159,54 +164,6 @@ impl<'a> Outline<'a> {
             .collect()
     }
 
-    /// Whether a function with a result ends with a loop that nothing but a `return` leaves: naga, unlike WGSL, wants a
-    /// `return` behind it.
-    pub(crate) fn ends_with_endless_loop(&self, function: &FunctionDecl) -> bool {
-        if function.result.is_empty() {
-            return false;
-        }
-        let last = self
-            .loops
-            .iter()
-            .find(|the_loop| the_loop.body.end + 1 == function.body.end);
-        last.is_some_and(|last| self.has_no_condition(last) && !self.is_left_by_break(last))
-    }
-
-    /// `loop`, or `for` without a condition.
-    fn has_no_condition(&self, the_loop: &LoopDecl) -> bool {
-        match self.word(the_loop.keyword) {
-            "loop" => true,
-            "for" => {
-                let header = the_loop.keyword + 2..the_loop.body.start;
-                let mut semicolons = header.filter(|&at| self.word(at) == ";");
-                semicolons
-                    .next()
-                    .is_some_and(|first| semicolons.next() == Some(first + 1))
-            }
-            _ => false,
-        }
-    }
-
-    /// Whether a `break` in the loop's body leaves this loop.
-    fn is_left_by_break(&self, the_loop: &LoopDecl) -> bool {
-        // Blocks inside from which a `break` leads no further than to their end.
-        let mut inner: Vec<Range<usize>> = self
-            .loops
-            .iter()
-            .map(|other| other.body.clone())
-            .filter(|body| the_loop.body.start < body.start && body.end < the_loop.body.end)
-            .collect();
-        for at in the_loop.body.clone() {
-            if self.word(at) == "switch" {
-                let open = (at..the_loop.body.end).find(|&at| self.word(at) == "{");
-                inner.extend(open.map(|open| open..self.closing(open) + 1));
-            }
-        }
-        // `break if` stands in the `continuing` block of an inner loop's body, or of this one.
-        let mut body = the_loop.body.clone();
-        body.any(|at| self.word(at) == "break" && !inner.iter().any(|range| range.contains(&at)))
-    }
-
     /// Whether a parameter or local anywhere in the function has this name.
     pub(crate) fn is_shadowed(&self, function: &FunctionDecl, name: &str) -> bool {
         let declares = |at: usize| self.roles[at] == Role::Local(at) && self.word(at) == name;
@@ -216,8 +173,19 @@ impl<'a> Outline<'a> {
 
     /// Whether an expression in the function could mean something else by its result type: a local has a name of it.
     pub(crate) fn shadows_its_result(&self, function: &FunctionDecl) -> bool {
-        let mut words = function.result.clone().map(|at| self.word(at));
-        words.any(|word| self.is_shadowed(function, word))
+        function.shadows_result
+    }
+
+    /// Works that out: once for each function, for all loops in it ask.
+    fn hides_result(&self, function: &FunctionDecl) -> bool {
+        if function.result.is_empty() {
+            return false;
+        }
+        let names: HashSet<&str> = function.result.clone().map(|at| self.word(at)).collect();
+        let declares =
+            |at: usize| self.roles[at] == Role::Local(at) && names.contains(self.word(at));
+        function.params.iter().any(|param| declares(param.name))
+            || function.body.clone().any(declares)
     }
 
     /// The token that closes the bracket opened at `open`, or the last token.
@@ -340,7 +308,8 @@ fn find_globals(tokens: &[Token<'_>]) -> Vec<GlobalDecl> {
 }
 
 struct Scope<'a> {
-    names: HashMap<&'a str, usize>,
+    /// What it declares.
+    names: Vec<&'a str>,
     /// Holds a `for` loop's header: ends together with the loop's body.
     is_for: bool,
     continuing: bool,
@@ -352,6 +321,9 @@ struct Walker<'o, 'a> {
     outline: &'o mut Outline<'a>,
     globals: &'o HashMap<&'a str, usize>,
     scopes: Vec<Scope<'a>>,
+    /// The declaring tokens of each name that some scope declares, the innermost one last: however deep blocks nest, a name
+    /// is found at once.
+    locals: HashMap<&'a str, Vec<usize>>,
 }
 
 const KEYWORDS: &str = "alias break case const const_assert continue continuing default diagnostic discard else \
@@ -404,12 +376,8 @@ impl<'a> Walker<'_, 'a> {
         if context_name {
             return;
         }
-        let local = self
-            .scopes
-            .iter()
-            .rev()
-            .find_map(|scope| scope.names.get(token.text));
-        self.outline.roles[at] = match local {
+        let declared = self.locals.get(token.text);
+        self.outline.roles[at] = match declared.and_then(|declared| declared.last()) {
             Some(&declared) => Role::Local(declared),
             None if self.globals.contains_key(token.text) => Role::Global,
             None => Role::Predeclared,
@@ -444,10 +412,7 @@ impl<'a> Walker<'_, 'a> {
             self.reference(at);
         }
         let function = self.outline.functions.len();
-        let names = params
-            .iter()
-            .map(|param| (self.outline.word(param.name), param.name))
-            .collect();
+        let names = params.iter().map(|param| param.name).collect();
         self.outline
             .function_by_name
             .insert(self.outline.word(name), function);
@@ -457,8 +422,32 @@ impl<'a> Walker<'_, 'a> {
             params,
             result,
             body: body..tokens.end,
+            shadows_result: false,
         });
         self.body(body..tokens.end, names, function);
+        // Now that its locals are known.
+        let hides_result = (self.outline).hides_result(&self.outline.functions[function]);
+        self.outline.functions[function].shadows_result = hides_result;
+    }
+
+    /// A local is visible from here to the end of the innermost scope.
+    fn declare(&mut self, name: usize) {
+        if let Some(scope) = self.scopes.last_mut() {
+            let text = self.outline.tokens.tokens[name].text;
+            scope.names.push(text);
+            self.locals.entry(text).or_default().push(name);
+        }
+    }
+
+    /// Ends the innermost scope.
+    fn leave(&mut self) -> Option<Scope<'a>> {
+        let scope = self.scopes.pop()?;
+        for name in &scope.names {
+            if let Some(declared) = self.locals.get_mut(name) {
+                declared.pop();
+            }
+        }
+        Some(scope)
     }
 
     fn params(&mut self, tokens: Range<usize>) -> Vec<ParamDecl> {
@@ -489,8 +478,7 @@ impl<'a> Walker<'_, 'a> {
         params
     }
 
-    fn body(&mut self, tokens: Range<usize>, params: HashMap<&'a str, usize>, function: usize) {
-        let mut params = Some(params);
+    fn body(&mut self, tokens: Range<usize>, mut params: Vec<usize>, function: usize) {
         let mut pending: Option<usize> = None; // declared at the next `;`
         let mut expect_name = None; // the token that is a declaration's name
         let mut loop_keyword = None;
@@ -514,26 +502,28 @@ impl<'a> Walker<'_, 'a> {
                         self.outline.loops.len() - 1
                     });
                     self.scopes.push(Scope {
-                        names: params.take().unwrap_or_default(),
+                        names: Vec::new(),
                         is_for: false,
                         continuing: inherited || std::mem::take(&mut continuing),
                         body_of,
                     });
+                    // Those of the function, in the first one.
+                    for param in std::mem::take(&mut params) {
+                        self.declare(param);
+                    }
                 }
                 "}" => {
-                    if let Some(index) = self.scopes.pop().and_then(|scope| scope.body_of) {
+                    if let Some(index) = self.leave().and_then(|scope| scope.body_of) {
                         self.outline.loops[index].body.end = at + 1;
                     }
                     if self.scopes.last().is_some_and(|scope| scope.is_for) {
-                        self.scopes.pop();
+                        self.leave();
                     }
                     pending = None;
                 }
                 ";" => {
-                    if let (Some(name), Some(scope)) = (pending.take(), self.scopes.last_mut()) {
-                        scope
-                            .names
-                            .insert(self.outline.tokens.tokens[name].text, name);
+                    if let Some(name) = pending.take() {
+                        self.declare(name);
                     }
                 }
                 "let" | "const" => expect_name = Some(at + 1),
@@ -541,7 +531,7 @@ impl<'a> Walker<'_, 'a> {
                 "for" => {
                     let continuing = self.scopes.last().is_some_and(|scope| scope.continuing);
                     self.scopes.push(Scope {
-                        names: HashMap::new(),
+                        names: Vec::new(),
                         is_for: true,
                         continuing,
                         body_of: None,

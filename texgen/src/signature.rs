@@ -9,7 +9,7 @@ use crate::diagnostic::{Diagnostic, Diagnostics, SourceFile};
 use crate::interface::{NamedOutput, Parameter, Widget};
 use crate::scope::Outline;
 use crate::suggest::did_you_mean;
-use crate::swizzle::{MAX_OUTPUT_NAME, Swizzle};
+use crate::swizzle::fault_of_output;
 use crate::value::{ElementType, OutputType, ParameterType};
 
 /// Most elements of an array parameter.
@@ -21,6 +21,9 @@ const MAX_WORDS: u64 = 1 << 20;
 const OUTPUTS_NOTE: &str = "each member of the struct is an output that links take by its name, the first one where they name none";
 
 const TYPES_NOTE: &str = "parameters are f32, i32, u32, bool, vec2f, vec3f, vec4f, mat3x3f, mat4x4f, sam2D, ramp1D, or array<T, N> of the plain ones";
+
+/// Keys of a node's table in a look that aren't parameters of its texture.
+const NODE_KEYS: [&str; 3] = ["texture", "occlusion", "occlusion1"];
 
 /// What `userProc` takes and gives.
 pub(crate) struct Signature {
@@ -132,6 +135,27 @@ pub(crate) fn read(
     }
 }
 
+/// Warns of parameters that no look can set: in a node's table their names mean something else.
+pub(crate) fn warn_of_keys(file: &SourceFile, outline: &Outline<'_>, problems: &mut Diagnostics) {
+    let Some(entry) = outline.function("userProc") else {
+        return;
+    };
+    for parameter in &entry.params {
+        let name = outline.word(parameter.name);
+        if NODE_KEYS.contains(&name) {
+            problems.push(
+                Diagnostic::warning(format!("a look can't set a parameter called `{name}`"))
+                    .with_label(
+                        file,
+                        outline.span(parameter.name),
+                        "the key of a node means something else",
+                    )
+                    .with_note(format!("rename it, for example `my_{name}`")),
+            );
+        }
+    }
+}
+
 /// The members of a struct as outputs; else what is wrong with one.
 fn named_outputs(module: &Module, members: &[StructMember]) -> Result<Vec<NamedOutput>, String> {
     if members.len() > MAX_OUTPUTS {
@@ -147,10 +171,8 @@ fn named_outputs(module: &Module, members: &[StructMember]) -> Result<Vec<NamedO
                 "the output `{name}` is none of f32, vec2f, vec3f and vec4f"
             ));
         };
-        if Swizzle::of_output(&name).is_none() {
-            return Err(format!(
-                "an output can't be called `{name}`: links would take it for components, or it is longer than {MAX_OUTPUT_NAME} letters"
-            ));
+        if let Some(fault) = fault_of_output(&name) {
+            return Err(format!("an output can't be called `{name}`: {fault}"));
         }
         Ok(NamedOutput {
             name,

@@ -4,7 +4,7 @@ use std::fmt;
 use std::str::FromStr;
 
 /// Names of outputs have at most so many letters: a link is a small value that is copied.
-pub(crate) const MAX_OUTPUT_NAME: usize = 31;
+const MAX_OUTPUT_NAME: usize = 31;
 
 /// The name of an output.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -15,11 +15,7 @@ struct OutputName {
 
 impl OutputName {
     fn new(name: &str) -> Option<Self> {
-        let is_inside = |c: char| c.is_ascii_alphanumeric() || c == '_';
-        let is_name = name.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
-            && name.chars().all(is_inside)
-            && name.len() <= MAX_OUTPUT_NAME
-            && components(name).is_none();
+        let is_name = fault_of_output(name).is_none();
         let mut bytes = [0; MAX_OUTPUT_NAME];
         bytes
             .get_mut(..name.len())
@@ -35,6 +31,21 @@ impl OutputName {
         // Nothing but ASCII goes in.
         std::str::from_utf8(&self.bytes[..usize::from(self.len)]).unwrap_or_default()
     }
+}
+
+/// Why links can't take an output by this name, if they can't.
+pub(crate) fn fault_of_output(name: &str) -> Option<String> {
+    let is_inside = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    if components(name).is_some() {
+        return Some("links would take it for components".to_owned());
+    }
+    if name.is_empty() || name.starts_with(|c: char| c.is_ascii_digit()) {
+        return Some("it is no name".to_owned());
+    }
+    if !name.chars().all(is_inside) {
+        return Some("links write names with ASCII letters, digits and `_` only".to_owned());
+    }
+    (name.len() > MAX_OUTPUT_NAME).then(|| format!("it is longer than {MAX_OUTPUT_NAME} letters"))
 }
 
 /// Which output of a node a link takes, and which components of it.
@@ -187,6 +198,17 @@ mod tests {
         );
         assert_eq!(color.whole(), Swizzle::of_output("color"));
         assert_eq!(Swizzle::of_output("xy"), None, "they are components");
+        for (name, fault) in [
+            ("rg", "components"),
+            ("größe", "ASCII"),
+            ("a-b", "ASCII"),
+            (long.as_str(), "longer than 31"),
+            ("5", "no name"),
+            ("", "no name"),
+        ] {
+            let said = fault_of_output(name);
+            assert!(said.is_some_and(|said| said.contains(fault)), "{name}");
+        }
         for bad in [
             "", ".", "5", "x.y", "a b", "é", "cell.", "cell.q", "cell.x.y", &long,
         ] {

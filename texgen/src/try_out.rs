@@ -9,9 +9,9 @@ use crate::attribute::HOST_STUB;
 use crate::diagnostic::{Diagnostic, Diagnostics, SourceFile};
 use crate::guard::guarded;
 use crate::library::Library;
-use crate::parse::{self, CAPABILITIES};
 use crate::pointer_arguments::copy_pointer_arguments;
 use crate::texture::TextureType;
+use crate::verdict::{self, CAPABILITIES};
 
 impl TextureType {
     /// Parses and checks a user texture. The file's name is the texture's name.
@@ -38,7 +38,7 @@ fn try_out(texture: TextureType) -> Result<TextureType, Diagnostics> {
     let file = texture.file().clone();
     let library = Library::new(vec![texture]).map_err(Diagnostics::from)?;
     let kernel = library.emit(1);
-    let mut diagnostic = match parse::check(&format!("{}\n{HOST_STUB}", kernel.wgsl)) {
+    let mut diagnostic = match verdict::check(&format!("{}\n{HOST_STUB}", kernel.wgsl)) {
         Ok(module) => match spirv(module) {
             Ok(()) => return Ok(library.into_only()),
             Err(message) => Diagnostic::error(message),

@@ -1,21 +1,26 @@
 //! What naga's validator says, with the types and the operands that it means: its own messages show numbers of its tables.
 
+mod places;
+
+use std::collections::HashSet;
 use std::error::Error;
 use std::ops::Range;
 
 use naga::common::DiagnosticDisplay;
 use naga::front::Typifier;
 use naga::proc::{ResolveContext, TypeResolution};
-use naga::valid::{CallError, ExpressionError, FunctionError, ValidationError};
+use naga::valid::{CallError, ComposeError, ExpressionError, FunctionError, ValidationError};
 use naga::{
-    BinaryOperator, Expression, Function, Handle, Module, ScalarKind, TypeInner, UnaryOperator,
-    WithSpan,
+    BinaryOperator, Expression, Function, Handle, Module, ScalarKind, Span, Statement, TypeInner,
+    UnaryOperator, WithSpan,
 };
+
+use places::{Side, argument, find, from_last_break, head, mention};
 
 use crate::problem::{Conversion, Problem};
 
 /// The error in terms of the text.
-pub(crate) fn problem(error: &WithSpan<ValidationError>, module: &Module) -> Problem {
+pub(crate) fn problem(error: &WithSpan<ValidationError>, module: &Module, text: &str) -> Problem {
     let mut chain = vec![error.as_inner().to_string()];
     let mut source = error.as_inner().source();
     while let Some(inner) = source {
@@ -27,8 +32,9 @@ pub(crate) fn problem(error: &WithSpan<ValidationError>, module: &Module) -> Pro
         .spans()
         .filter_map(|(span, label)| Some((span.to_range()?, label.clone())))
         .collect();
-    // The narrowest place is the one to look at.
-    labels.sort_by_key(|(span, _)| span.len());
+    // The narrowest place is the one to look at, but not where something is only declared.
+    let declared = declarations(error.as_inner(), module);
+    labels.sort_by_key(|(span, _)| (declared.contains(span), span.len()));
     let mut problem = Problem {
         message,
         labels,
@@ -44,16 +50,36 @@ pub(crate) fn problem(error: &WithSpan<ValidationError>, module: &Module) -> Pro
     {
         problem.function = Some(name.clone());
         let function = &module.functions[*handle];
-        let places = Places { module, function };
+        let places = Places {
+            module,
+            function,
+            text,
+        };
         places.explain(source, &mut problem);
     }
     problem
+}
+
+/// The places of declarations that an error in a function may show: of types, and of the function's parameters.
+fn declarations(error: &ValidationError, module: &Module) -> HashSet<Range<usize>> {
+    let ValidationError::Function { handle, .. } = error else {
+        return HashSet::new();
+    };
+    let expressions = &module.functions[*handle].expressions;
+    let parameters = expressions
+        .iter()
+        .filter(|(_, expression)| matches!(expression, Expression::FunctionArgument(_)))
+        .map(|(parameter, _)| expressions.get_span(parameter));
+    let types = module.types.iter();
+    let types = types.map(|(ty, _)| module.types.get_span(ty));
+    types.chain(parameters).filter_map(Span::to_range).collect()
 }
 
 /// The function that an error lies in.
 struct Places<'a> {
     module: &'a Module,
     function: &'a Function,
+    text: &'a str,
 }
 
 impl Places<'_> {
@@ -64,35 +90,33 @@ impl Places<'_> {
             }
             FunctionError::InvalidReturnType {
                 expression: Some(value),
-                expected_ty: Some(declared),
+                expected_ty,
             } => {
-                let declared = DiagnosticDisplay((*declared, self.module.to_ctx()));
-                problem.message = match self.type_of(*value) {
-                    Some(ty) => {
-                        format!(
-                            "the returned value is `{ty}`, but the function declares `{declared}`"
-                        )
+                match expected_ty {
+                    Some(declared) => {
+                        problem.message = self.wrong_return(*value, &self.name_of(*declared));
                     }
                     None => {
-                        format!("the returned value is not `{declared}`, as the function declares")
+                        problem.message =
+                            "a value is returned, but the function declares none".into();
+                        let note = "write `-> TYPE` behind its parameters";
+                        problem.notes.push(note.into());
                     }
-                };
-            }
-            FunctionError::InvalidReturnType {
-                expression: Some(_),
-                expected_ty: None,
-            } => {
-                problem.message = "a value is returned, but the function declares none".into();
-                problem
-                    .notes
-                    .push("write `-> TYPE` behind its parameters".into());
+                }
+                let statement = self.statement(
+                    |one| matches!(one, Statement::Return { value: Some(given) } if given == value),
+                );
+                self.look_at_use(*value, statement, problem);
             }
             FunctionError::InvalidStoreTypes { pointer, value } => {
+                let statement = self.statement(|one| {
+                    matches!(one, Statement::Store { pointer: to, value: given } if to == pointer && given == value)
+                });
                 if let (Some(to), Some(from)) = (self.pointee(*pointer), self.type_of(*value)) {
                     problem.message = format!("a `{from}` can't be assigned to a `{to}`");
-                    self.offer_conversion(*value, &from, &to, problem);
-                    self.look_at(*value, problem);
+                    self.offer_conversion(*value, &from, &to, statement.as_ref(), problem);
                 }
+                self.look_at_use(*value, statement, problem);
             }
             FunctionError::InvalidCall {
                 function,
@@ -103,34 +127,72 @@ impl Places<'_> {
                         seen_expression,
                     },
             } => {
-                let required = DiagnosticDisplay((*required, self.module.to_ctx())).to_string();
-                let name = self.module.functions[*function].name.as_deref();
-                let name = name.unwrap_or("the function");
+                let required = self.name_of(*required);
+                let callee = &self.module.functions[*function];
+                let name = callee.name.as_deref().unwrap_or("the function");
                 let number = index + 1;
+                let call = self.statement(|one| {
+                    matches!(one, Statement::Call { function: called, arguments, .. } if called == function && arguments.get(*index) == Some(seen_expression))
+                });
+                let place = call
+                    .as_ref()
+                    .and_then(|call| argument(self.text, call, *index, callee.arguments.len()));
+                let place = place.or(call);
                 if let Some(ty) = self.type_of(*seen_expression) {
                     problem.message =
                         format!("argument {number} of `{name}` is to be `{required}`, not `{ty}`");
-                    self.offer_conversion(*seen_expression, &ty, &required, problem);
+                    let value = *seen_expression;
+                    self.offer_conversion(value, &ty, &required, place.as_ref(), problem);
                 } else {
                     problem.message =
                         format!("argument {number} of `{name}` is to be `{required}`");
                 }
-                self.look_at(*seen_expression, problem);
+                self.look_at_use(*seen_expression, place, problem);
             }
             FunctionError::InvalidIfType(condition) => {
                 if let Some(ty) = self.type_of(*condition) {
                     problem.message = format!("the `if` condition is `{ty}`, not `bool`");
                 }
-                self.look_at(*condition, problem);
+                let of_if = self.statement(
+                    |one| matches!(one, Statement::If { condition: given, .. } if given == condition),
+                );
+                let of_loop = || {
+                    let found = self.statement(|one| {
+                        matches!(one, Statement::Loop { break_if: Some(given), .. } if given == condition)
+                    });
+                    found.map(|span| from_last_break(self.text, span))
+                };
+                self.look_at_use(*condition, of_if.or_else(of_loop), problem);
             }
             FunctionError::InvalidSwitchType(value) => {
                 if let Some(ty) = self.type_of(*value) {
                     problem.message =
                         format!("the value of `switch` is `{ty}`, not `i32` or `u32`");
                 }
-                self.look_at(*value, problem);
+                let statement = self.statement(
+                    |one| matches!(one, Statement::Switch { selector, .. } if selector == value),
+                );
+                self.look_at_use(*value, statement, problem);
+            }
+            FunctionError::InvalidArgumentType { index, .. }
+            | FunctionError::InvalidArgumentPointerSpace { index, .. } => {
+                let mut expressions = self.function.expressions.iter();
+                let parameter = expressions.find(|(_, expression)| {
+                    matches!(expression, Expression::FunctionArgument(one) if *one as usize == *index)
+                });
+                let place = parameter.and_then(|(handle, _)| self.own_span(handle));
+                self.look_at(place, problem);
             }
             _ => {}
+        }
+    }
+
+    fn wrong_return(&self, value: Handle<Expression>, declared: &str) -> String {
+        match self.type_of(value) {
+            Some(ty) => {
+                format!("the returned value is `{ty}`, but the function declares `{declared}`")
+            }
+            None => format!("the returned value is not `{declared}`, as the function declares"),
         }
     }
 
@@ -140,6 +202,7 @@ impl Places<'_> {
         error: &ExpressionError,
         problem: &mut Problem,
     ) {
+        let within = self.own_span(whole);
         match error {
             ExpressionError::InvalidBinaryOperandTypes {
                 op,
@@ -155,9 +218,14 @@ impl Places<'_> {
                     "`{}` can't take `{left}` and `{right}`",
                     binary_operator(*op)
                 );
-                self.look_at(whole, problem);
-                for (operand, ty) in [(*lhs_expr, &left), (*rhs_expr, &right)] {
-                    if let Some(span) = self.span(operand) {
+                self.look_at(within.clone(), problem);
+                let within = within.as_ref();
+                for (operand, ty, side) in [
+                    (*lhs_expr, &left, Side::First),
+                    (*rhs_expr, &right, Side::Last),
+                ] {
+                    if let Some(span) = within.and_then(|within| self.place(operand, within, side))
+                    {
                         problem.labels.push((span, ty.clone()));
                     }
                 }
@@ -166,15 +234,17 @@ impl Places<'_> {
                     inner.is_some_and(|inner| inner.scalar_kind() != Some(ScalarKind::Float))
                 };
                 match (of_int(*lhs_expr), of_int(*rhs_expr)) {
-                    (true, false) => self.offer_conversion(*lhs_expr, &left, &right, problem),
-                    _ => self.offer_conversion(*rhs_expr, &right, &left, problem),
+                    (true, false) => {
+                        self.offer_conversion(*lhs_expr, &left, &right, within, problem);
+                    }
+                    _ => self.offer_conversion(*rhs_expr, &right, &left, within, problem),
                 }
             }
             ExpressionError::InvalidUnaryOperandType(op, operand) => {
                 if let Some(ty) = self.type_of(*operand) {
                     problem.message = format!("`{}` can't take `{ty}`", unary_operator(*op));
                 }
-                self.look_at(whole, problem);
+                self.look_at(within, problem);
             }
             ExpressionError::IndexOutOfBounds(base, index) => {
                 if let Some(ty) = self.type_of(*base) {
@@ -185,7 +255,9 @@ impl Places<'_> {
                 if let Some(ty) = self.type_of(*index) {
                     problem.message = format!("an index is `i32` or `u32`, not `{ty}`");
                 }
-                self.look_at(*index, problem);
+                // It stands behind what it is an index of.
+                let place = within.and_then(|within| self.place(*index, &within, Side::Last));
+                self.look_at(place, problem);
             }
             ExpressionError::NegativeIndex(_) => {
                 problem.message = "an index can't be negative".into();
@@ -195,6 +267,9 @@ impl Places<'_> {
                     problem.message = format!("`{ty}` has no elements or members");
                 }
             }
+            ExpressionError::Compose(ComposeError::ComponentType { index }) => {
+                self.member(whole, *index as usize, problem);
+            }
             ExpressionError::MissingCapabilities(_) => {
                 problem.message = "this is not available in textures: not every GPU has it".into();
             }
@@ -202,9 +277,32 @@ impl Places<'_> {
         }
     }
 
-    /// The first label is at this expression, where it has a place.
-    fn look_at(&self, expression: Handle<Expression>, problem: &mut Problem) {
-        if let Some(span) = self.span(expression) {
+    /// A member that is given something of another type where a struct is made.
+    fn member(&self, whole: Handle<Expression>, index: usize, problem: &mut Problem) {
+        let Expression::Compose { ty, components } = &self.function.expressions[whole] else {
+            return;
+        };
+        let (TypeInner::Struct { members, .. }, Some(&given)) =
+            (&self.module.types[*ty].inner, components.get(index))
+        else {
+            return;
+        };
+        let within = self.own_span(whole);
+        if let (Some(member), Some(found)) = (members.get(index), self.type_of(given)) {
+            let name = member.name.as_deref().unwrap_or_default();
+            let wanted = self.name_of(member.ty);
+            problem.message = format!("member `{name}` is to be `{wanted}`, not `{found}`");
+            self.offer_conversion(given, &found, &wanted, within.as_ref(), problem);
+        }
+        let place = within
+            .as_ref()
+            .and_then(|within| argument(self.text, within, index, members.len()));
+        self.look_at(place.or(within), problem);
+    }
+
+    /// The first label is there, where the place is known.
+    fn look_at(&self, place: Option<Range<usize>>, problem: &mut Problem) {
+        if let Some(span) = place {
             problem
                 .labels
                 .retain(|(_, text)| !text.starts_with("naga::"));
@@ -212,12 +310,93 @@ impl Places<'_> {
         }
     }
 
-    /// If `operand` becomes `to` by writing so, that is the remedy.
+    /// The first label is where a statement, or a part of one, uses a value, the second one where that is declared if it is
+    /// declared elsewhere.
+    fn look_at_use(
+        &self,
+        value: Handle<Expression>,
+        statement: Option<Range<usize>>,
+        problem: &mut Problem,
+    ) {
+        let Some(statement) = statement else {
+            let is_declared = !self.names(value).is_empty();
+            let own = self.own_span(value).filter(|_| !is_declared);
+            return self.look_at(own, problem);
+        };
+        let place = self.place(value, &statement, Side::First);
+        let declared = self
+            .declared(value)
+            .filter(|span| !is_within(span, &statement));
+        self.look_at(place.or(Some(head(self.text, &statement))), problem);
+        if let Some(span) = declared {
+            problem.labels.insert(1, (span, "declared here".into()));
+        }
+    }
+
+    /// Where a value is used in a stretch of the text. Of what is declared elsewhere naga knows that place only.
+    fn place(
+        &self,
+        value: Handle<Expression>,
+        within: &Range<usize>,
+        side: Side,
+    ) -> Option<Range<usize>> {
+        let own = self.own_span(value).filter(|span| is_within(span, within));
+        own.or_else(|| {
+            let mut names = self.names(value).into_iter();
+            names.find_map(|name| mention(self.text, &head(self.text, within), name, side))
+        })
+    }
+
+    /// What a value may be called: the parameter, variable or constant that it is, and what a `let` calls it.
+    fn names(&self, value: Handle<Expression>) -> Vec<&str> {
+        let name = match &self.function.expressions[value] {
+            Expression::FunctionArgument(index) => {
+                let argument = self.function.arguments.get(*index as usize);
+                argument.and_then(|argument| argument.name.as_deref())
+            }
+            Expression::Constant(constant) => self.module.constants[*constant].name.as_deref(),
+            Expression::Load { pointer } => match self.function.expressions[*pointer] {
+                Expression::LocalVariable(variable) => {
+                    self.function.local_variables[variable].name.as_deref()
+                }
+                _ => None,
+            },
+            _ => None,
+        };
+        // What is assigned to nothing has that name.
+        let given = self.function.named_expressions.get(&value);
+        let given = given.map(String::as_str).filter(|name| *name != "phony");
+        let mut names: Vec<&str> = name.into_iter().chain(given).collect();
+        // A number becomes a vector by itself.
+        if let Expression::Splat { value, .. } = &self.function.expressions[value] {
+            names.extend(self.names(*value));
+        }
+        names
+    }
+
+    /// Where what a value is called is declared.
+    fn declared(&self, value: Handle<Expression>) -> Option<Range<usize>> {
+        if let Expression::Load { pointer } = self.function.expressions[value]
+            && let Expression::LocalVariable(variable) = self.function.expressions[pointer]
+        {
+            let span = self.function.local_variables.get_span(variable);
+            return span.to_range();
+        }
+        self.own_span(value)
+    }
+
+    /// The first statement that is meant.
+    fn statement(&self, is_meant: impl Fn(&Statement) -> bool) -> Option<Range<usize>> {
+        find(&self.function.body, &is_meant).and_then(Span::to_range)
+    }
+
+    /// If an operand becomes `to` by writing so, that is the remedy; `within` is what has the operand.
     fn offer_conversion(
         &self,
         operand: Handle<Expression>,
         from: &str,
         to: &str,
+        within: Option<&Range<usize>>,
         problem: &mut Problem,
     ) {
         let Some(inner) = self.inner(operand) else {
@@ -241,29 +420,14 @@ impl Places<'_> {
             Some(size) => format!("vec{}{}", size as u8, &scalar[..1]),
         };
         problem.conversion = Some(Box::new(Conversion {
-            operand: self.span(operand),
-            name: match self.function.expressions[operand] {
-                Expression::FunctionArgument(index) => {
-                    self.function.arguments[index as usize].name.clone()
-                }
-                _ => None,
-            },
+            operand: within.and_then(|within| self.place(operand, within, Side::Last)),
+            name: self.names(operand).first().map(|&name| name.to_owned()),
             to,
         }));
     }
 
-    /// Where it stands; of what is declared elsewhere naga knows that place only.
-    fn span(&self, expression: Handle<Expression>) -> Option<Range<usize>> {
-        let is_declared = matches!(
-            self.function.expressions[expression],
-            Expression::FunctionArgument(_)
-                | Expression::LocalVariable(_)
-                | Expression::GlobalVariable(_)
-                | Expression::Constant(_)
-        );
-        if is_declared {
-            return None;
-        }
+    /// Where an expression stands; of a parameter, where that is declared.
+    fn own_span(&self, expression: Handle<Expression>) -> Option<Range<usize>> {
         self.function.expressions.get_span(expression).to_range()
     }
 
@@ -291,6 +455,10 @@ impl Places<'_> {
         Some(DiagnosticDisplay((&resolution, self.module.to_ctx())).to_string())
     }
 
+    fn name_of(&self, ty: Handle<naga::Type>) -> String {
+        DiagnosticDisplay((ty, self.module.to_ctx())).to_string()
+    }
+
     /// The type of what a pointer points to.
     fn pointee(&self, pointer: Handle<Expression>) -> Option<String> {
         let inner = self.inner(pointer)?;
@@ -308,6 +476,10 @@ impl Places<'_> {
         };
         Some(DiagnosticDisplay((&resolution, self.module.to_ctx())).to_string())
     }
+}
+
+fn is_within(inner: &Range<usize>, outer: &Range<usize>) -> bool {
+    outer.start <= inner.start && inner.end <= outer.end
 }
 
 fn binary_operator(op: BinaryOperator) -> &'static str {

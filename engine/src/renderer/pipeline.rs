@@ -1,6 +1,9 @@
 //! The kernels of a renderer, compiled and bound.
 
 use std::collections::BTreeMap;
+use std::io::{self, ErrorKind};
+use std::panic::resume_unwind;
+use std::thread;
 
 use device::{BoundKernel, Buffer, Device, DeviceError, Kernel, KernelCost, Resources, Usage};
 use rayon::prelude::*;
@@ -14,6 +17,9 @@ use crate::{
 };
 
 use super::{RenderError, culprit};
+
+/// Compilers recurse along a texture's expressions.
+const STACK_BYTES: usize = 8 << 20;
 
 /// The kernel of each pass that the scene needs, by the pass's name.
 #[derive(Debug)]
@@ -52,10 +58,17 @@ impl Kernels {
             Ok((sum, buffer))
         });
         kernels.sums = sums.collect::<Result<_, DeviceError>>()?;
-        let (texture, passes) = rayon::join(
+        // Only the former compiles what users wrote; the passes have threads of their own.
+        let both = with_large_stack(
             || texture_kernel(device, features, procedural, schedule),
             || kernels.missing(device, features),
         );
+        let (texture, passes) = both.map_err(|error| DeviceError::Kernel {
+            label: kernels.texture.to_owned(),
+            message: format!(
+                "cannot start a thread: {error}; end other programs, or raise what is limited (`ulimit -u`, or `-v`, their memory)"
+            ),
+        })?;
         kernels.by_name.extend(passes?);
         if let Some(kernel) = texture? {
             kernels.by_name.insert(kernels.texture, kernel);
@@ -174,6 +187,30 @@ impl Kernels {
     }
 }
 
+/// Does two things at once, the first one on a thread whose stack is large. Where a system has no threads, it is done here.
+///
+/// # Errors
+/// The system has no room for a thread.
+fn with_large_stack<A: Send, B>(
+    first: impl Fn() -> A + Copy + Send,
+    second: impl FnOnce() -> B,
+) -> io::Result<(A, B)> {
+    thread::scope(|scope| {
+        let named = thread::Builder::new()
+            .name("texture kernel".to_owned())
+            .stack_size(STACK_BYTES);
+        match named.spawn_scoped(scope, first) {
+            Ok(begun) => {
+                let second = second();
+                let first = begun.join().unwrap_or_else(|panic| resume_unwind(panic));
+                Ok((first, second))
+            }
+            Err(error) if error.kind() == ErrorKind::Unsupported => Ok((first(), second())),
+            Err(error) => Err(error),
+        }
+    })
+}
+
 /// Builds the generated kernel, if it is needed. Where the driver refuses it, the textures that it refuses alone are named.
 pub(super) fn texture_kernel(
     device: &Device,
@@ -226,5 +263,29 @@ impl Bound {
     pub(super) fn labels(&self) -> impl Iterator<Item = &'static str> {
         let names = self.passes.iter().map(|pass| pass.name);
         names.filter(|name| self.by_name.contains_key(name))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::hint::black_box;
+
+    use super::*;
+
+    /// Takes a kilobyte of stack for each level, and a little more.
+    fn recurse(levels: u32) -> u32 {
+        let room = [levels; 256];
+        black_box(&room);
+        match levels {
+            0 => 0,
+            _ => recurse(levels - 1) + u32::from(room[255] > 0),
+        }
+    }
+
+    #[test]
+    fn what_recurses_has_a_large_stack() {
+        // Twice what threads usually have.
+        let both = with_large_stack(|| recurse(4000), || 7);
+        assert_eq!(both.expect("there is room for a thread"), (4000, 7));
     }
 }

@@ -36,6 +36,10 @@ pub struct Edit {
     pub program: bool,
 }
 
+/// Most words of the fake stack, 64 MiB, after which no node is added. It lies in memory several times, here and on the
+/// device; and a line of a look is enough for a node of 4 MiB.
+const MAX_WORDS: usize = 16 << 20;
+
 /// AO slots a node can choose from.
 const OCCLUSION_SLOTS: u32 = 4;
 
@@ -123,7 +127,7 @@ impl Graph {
     /// the second result. What was given to parameters that are gone is forgotten.
     ///
     /// # Errors
-    /// A texture in use is gone; a link that doesn't fit any more.
+    /// A texture in use is gone; a link that doesn't fit any more; constants that are too large together.
     pub fn with_library(
         &self,
         library: Arc<Library>,
@@ -160,7 +164,8 @@ impl Graph {
     /// reads as `AO` and `AO1`.
     ///
     /// # Errors
-    /// Unknown texture; a node of that name exists; no such AO slot.
+    /// Unknown texture; a node of that name exists; no such AO slot; constants of all nodes that are too large together.
+    /// The graph is unchanged then.
     pub fn add_node(
         &mut self,
         name: &str,
@@ -182,6 +187,13 @@ impl Graph {
         let id = NodeId(self.nodes.len() as u32);
         let library = self.library.clone();
         let texture_type = &library.textures()[texture];
+        if self.args().len() + words_of_new(texture_type) > MAX_WORDS {
+            return Err(GraphError::TooManyConstants {
+                node: name.to_owned(),
+                texture: texture_type.name().to_owned(),
+                bytes: 4 * MAX_WORDS,
+            });
+        }
         self.nodes.push(Node {
             name: name.to_owned(),
             texture,
@@ -384,6 +396,16 @@ impl Graph {
         }
         changed
     }
+}
+
+/// Words of the fake stack that a new node of a texture takes, with the stops of its ramps.
+fn words_of_new(texture: &TextureType) -> usize {
+    let parameters = texture.parameters().iter();
+    let ramps = parameters.map(|parameter| match &parameter.default {
+        Some(Value::Ramp(ramp)) => args::ramp_words(ramp.stops.len()),
+        _ => 0,
+    });
+    args::block_words(texture.parameters()) as usize + ramps.sum::<usize>()
 }
 
 fn check_occlusion(node: &str, occlusion: [u32; 2]) -> Result<(), GraphError> {

@@ -46,10 +46,15 @@ fn syntax_errors() {
     check(
         "fn userProc() -> f32 {",
         &[
-            "found the end of the file",
+            "this `{` is not closed",
             "t.wgsl:1:22",
-            "note: something is not closed: look for a missing `}`",
+            "still open at the end",
+            "note: a `}` is missing",
         ],
+    );
+    check(
+        "fn userProc() -> f32 { return 1.0; }\nconst A = 1.0",
+        &["expected `;`, found the end of the file", "t.wgsl:2:11"],
     );
     check(
         "fn userProc() -> f32 { return 1.0; } /* open",
@@ -185,6 +190,37 @@ fn structures_that_double_are_refused() {
 }
 
 #[test]
+fn constants_that_double_are_refused() {
+    // naga copies all that is in a constant where an element of it is taken.
+    let doubling: String = (1..26)
+        .map(|i| format!("const A{i} = array(A{}, A{});\n", i - 1, i - 1))
+        .collect();
+    let table = format!("array<f32, 20000>({})", "1,".repeat(20_000));
+    let uses = |name: &str| format!("x += {name}[0];").repeat(1000);
+    for text in [
+        format!(
+            "const A0 = array(1.0, 2.0);\n{doubling}fn userProc(x: f32) -> f32 {{ let a = A25[0]; return x; }}"
+        ),
+        format!(
+            "const T = {table};\nfn userProc() -> f32 {{ var x = 0.0; {} return x; }}",
+            uses("T")
+        ),
+        format!(
+            "const T = {table};\nfn userProc() -> f32 {{ const L = T; var x = 0.0; {} return x; }}",
+            uses("L")
+        ),
+    ] {
+        check(
+            &text,
+            &[
+                "the constants are too large once they are written out",
+                "`array<T, N>` parameters",
+            ],
+        );
+    }
+}
+
+#[test]
 fn deep_nesting_is_refused_in_the_users_terms() {
     let [open, close] = ["(", ")"].map(|bracket| bracket.repeat(500));
     check(
@@ -196,6 +232,33 @@ fn deep_nesting_is_refused_in_the_users_terms() {
         &format!("fn userProc(x: f32) -> f32 {{ {open}{close} return x; }}"),
         &["error: nested too deeply", "t.wgsl:1:"],
     );
+}
+
+#[test]
+fn expressions_that_are_deep_through_brackets_are_refused() {
+    let in_body = |body: &str| format!("fn userProc(x: f32) -> f32 {{ {body} }}");
+    let sums = |levels: usize| {
+        let around = |inner: String, _| format!("({inner}{})", "+x".repeat(490));
+        (0..levels).fold("1.0".to_owned(), around)
+    };
+    let branches = (0..20).fold(String::new(), |inner, _| {
+        format!("{}{{ {inner} }}", "if x > 0.0 { } else ".repeat(100))
+    });
+    for body in [
+        format!("return {};", sums(2)),
+        format!("return {};", sums(40)),
+        format!("var a = array<f32, 2>(); return a{};", "[0]".repeat(16_000)),
+        format!("{branches} return x;"),
+    ] {
+        check(
+            &in_body(&body),
+            &["error: this expression is too long", "t.wgsl:1:", "`let`"],
+        );
+    }
+    // Of those beside each other the deepest counts.
+    let beside = ["(x * x + 1.0 - x / (3.0 + x))"; 200].join(" + ");
+    parse("t", &in_body(&format!("return {beside};")))
+        .unwrap_or_else(|problems| panic!("{problems}"));
 }
 
 #[test]

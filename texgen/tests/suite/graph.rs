@@ -216,6 +216,28 @@ fn unknown_names_are_explained() {
 }
 
 #[test]
+fn nodes_cannot_ask_for_gigabytes() {
+    let large = "fn userProc(t: array<mat4x4f, 65536>) -> f32 { return t[0][0][0]; }";
+    let small = "fn userProc(x: f32) -> f32 { return x; }";
+    let textures = library(&[("large", large), ("small", small)]);
+    let mut graph = Graph::new(textures);
+    // Of 4 MiB each.
+    let refused = (0..300).find_map(|i| graph.add_node(&format!("n{i}"), "large", [0, 0]).err());
+    let error = refused.expect("1.2 GB").to_string();
+    assert_eq!(
+        error,
+        "the constants of all nodes up to `n16` take more than 67108864 bytes: at most these are possible; use fewer nodes of `large`, or put its large tables into images"
+    );
+    // Nothing has changed.
+    assert_eq!(graph.args().len(), 16 << 20);
+    assert_eq!(graph.node("n16"), None);
+    assert!(matches!(
+        graph.add_node("s", "small", [0, 0]),
+        Err(GraphError::TooManyConstants { .. })
+    ));
+}
+
+#[test]
 fn links_are_checked_and_widened() {
     let mut graph = Graph::new(textures());
     let mut add = |name: &str| graph.add_node(name, name, [0, 0]).expect("known");

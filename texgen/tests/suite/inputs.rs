@@ -224,3 +224,25 @@ fn errors_of_shared_files_lie_in_them() {
         "{error}"
     );
 }
+
+#[test]
+fn errors_of_a_texture_are_not_told_of_its_shared_files() {
+    let libraries = [("waves", WAVES), ("more", MORE)];
+    let own = "/// @use waves\n/// Waves.\nfn userProc(x: f32) -> f32 {\n    return wave(x[1]);\n}";
+    let error = problems(own, &libraries);
+    assert!(
+        error.contains("t.wgsl:4:17") && error.contains("`x` is `f32`"),
+        "{error}"
+    );
+    assert!(!error.contains("lib/"), "{error}");
+
+    let own = "/// @use waves\n/// Waves.\nfn userProc() -> f32 {\n    if true {\n        return wave(1.0);\n}\n";
+    let error = problems(own, &libraries);
+    assert!(
+        error.contains("this `{` is not closed") && error.contains("t.wgsl:3:22"),
+        "{error}"
+    );
+    let open = "fn helper(x: f32) -> f32 { return x;";
+    let error = problems(USER, &[("waves", WAVES), ("more", open)]);
+    assert!(error.contains("lib/more.wgsl:1:26"), "{error}");
+}

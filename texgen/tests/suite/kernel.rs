@@ -251,6 +251,14 @@ fn userProc() -> f32 { g(); return f().a; }
 }
 
 #[test]
+fn a_function_whose_blocks_end_in_endless_loops_stays_valid() {
+    let text = "fn f(x: f32) -> f32 { if x > 0.0 { loop { return x; } } else { return 2.0; } }
+fn userProc() -> f32 { return f(1.0); }
+";
+    assert!(section(text).contains("else { return 2.0; } return f32(); }"));
+}
+
+#[test]
 fn the_source_map_leads_back_to_the_file() {
     let text = "const K = 1.0;\nfn userProc() -> vec4f {\n    return K * readAttr(Normal);\n}\n";
     let kernel = library(&[("a", "fn userProc() -> f32 { return 1.0; }"), ("b", text)]).emit(1);

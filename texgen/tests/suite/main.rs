@@ -8,6 +8,7 @@ mod inputs;
 mod kernel;
 mod language;
 mod messages;
+mod mistakes;
 mod outputs;
 mod robustness;
 mod shipped;

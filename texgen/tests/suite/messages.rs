@@ -259,6 +259,10 @@ fn functions_of_half_precision_and_endless_loops_are_accepted() {
         "fn userProc(a: f32) -> f32 { var i = a; for (;;) { i += 1.0; if i > 9.0 { return i; } } }",
         "fn userProc(a: f32) -> f32 { for (var i = 0; ; i++) { switch i { case 9: { return a; } default: { break; } } } }",
         "fn userProc(a: f32) -> f32 { loop { for (var i = 0; i < 3; i++) { if a > 1.0 { break; } } if a < 2.0 { return a; } } }",
+        "fn userProc(a: f32) -> f32 { { loop { return a; } } }",
+        "fn userProc(a: f32) -> f32 { if a > 1.0 { loop { return 1.0; } } else { return 2.0; } }",
+        "fn userProc(a: f32) -> f32 { if a > 1.0 { return 1.0; } else if a > 0.0 { { for (;;) { return a; } } } else { loop { } } }",
+        "fn userProc(a: f32) -> f32 { switch i32(a) { case 1, 2: { loop { return a; } } default: { return 2.0; } } }",
     ] {
         let texture = parse("t", text).unwrap_or_else(|problems| panic!("{problems}"));
         valid_kernel(&Library::new(vec![texture]).expect("one"));
@@ -267,6 +271,8 @@ fn functions_of_half_precision_and_endless_loops_are_accepted() {
         "fn userProc(a: f32) -> f32 { for (;;) { if a > 9.0 { break; } } }",
         "fn userProc(a: f32) -> f32 { loop { continuing { break if a > 9.0; } } }",
         "fn userProc(a: f32) -> f32 { for (; a < 9.0 ;) { return a; } }",
+        "fn userProc(a: f32) -> f32 { if a > 1.0 { loop { return a; } } }",
+        "fn userProc(a: f32) -> f32 { switch i32(a) { case 1: { loop { return a; } } default: { break; } } }",
     ] {
         check(text, &["not every way through the function"]);
     }
@@ -340,6 +346,35 @@ fn much_private_memory_is_warned_of_and_too_much_is_refused() {
     check(
         &table(100_000_000),
         &["400000008 bytes of variables", "t.wgsl:1:"],
+    );
+    // So does what no variable holds.
+    for (text, parts) in [
+        (
+            "fn userProc(t: array<f32, 65536>) -> f32 { let c = t; return c[u32(readAttr(WorldPos).x)]; }",
+            &["262144 bytes of variables in `userProc`", "t.wgsl:1:52"][..],
+        ),
+        (
+            "fn userProc(t: array<f32, 65536>) -> f32 { return (t)[3]; }",
+            &["262144 bytes of variables in `userProc`", "t.wgsl:1:52"],
+        ),
+        (
+            "fn h(t: array<f32, 3000>) -> f32 { return t[2]; }\nfn userProc(t: array<f32, 3000>) -> f32 { return h(t); }",
+            &["24000 bytes of variables in `userProc`, `h`", "t.wgsl:2:"],
+        ),
+        (
+            "fn userProc() -> f32 { let z = array<f32, 20000000>(); return z[5]; }",
+            &["80000000 bytes of variables in `userProc`", "t.wgsl:1:"],
+        ),
+        (
+            "struct S { a: array<f32, 20000> }\nfn f() -> S { return S(); }\nfn userProc() -> f32 { let s = f(); return s.a[3]; }",
+            &["160000 bytes of variables in `userProc`, `f`"],
+        ),
+    ] {
+        check(text, parts);
+    }
+    assert_eq!(
+        warnings("fn userProc(t: array<f32, 200>) -> f32 { let c = t; return c[3]; }"),
+        ""
     );
     // Parameters are read where they lie, but not without end.
     assert_eq!(

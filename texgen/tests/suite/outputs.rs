@@ -63,6 +63,14 @@ fn structs_that_links_could_not_name_are_refused() {
         ("rgb: vec3f", "can't be called `rgb`"),
         ("number: i32", "`number` is none of f32"),
         ("inner: mat3x3f", "`inner` is none of f32"),
+        (
+            "größe: f32",
+            "can't be called `größe`: links write names with",
+        ),
+        (
+            "a_very_long_name_of_what_it_gives: f32",
+            "it is longer than 31 letters",
+        ),
     ] {
         let text = format!(
             "struct S {{ first: f32, {member} }}\nfn userProc() -> S {{ var s: S; return s; }}"

@@ -1,0 +1,133 @@
+//! What naga says about types, in plain words.
+
+use crate::wording::plain_message;
+
+/// naga's message as an author of a texture understands it, and what to do. None where others have words for it.
+pub(super) fn in_plain_words(message: &str) -> Option<(String, Option<String>)> {
+    let said = |text: &str| Some((text.to_owned(), None));
+    if let Some(name) = lacking(message) {
+        let remedy = match name.get(..1) {
+            Some("f") => "use `f32`",
+            Some("u") => "use `u32`",
+            _ => "use `i32`",
+        };
+        let text = format!("`{name}` is not available in textures: not every GPU has it");
+        return Some((text, Some(remedy.to_owned())));
+    }
+    if message.starts_with("Shader requires capability")
+        || (message.starts_with("Capability ") && message.ends_with(" is required"))
+    {
+        return said("this is not available in textures: not every GPU has it");
+    }
+    if message.starts_with("Invalid access into") || message.starts_with("Invalid sub-access into")
+    {
+        return said("what is indexed here has no components");
+    }
+    if let Some(rest) = message.strip_prefix("Index ")
+        && let Some((index, _)) = rest.split_once(" is out of bounds")
+    {
+        return said(&format!(
+            "index {index} is beyond the end of what is indexed here"
+        ));
+    }
+    let operator = refused_operator(message)?;
+    let plain = plain_message(message);
+    let operands = plain.split_once(": ").map_or("", |(_, operands)| operands);
+    if let Some((left, right)) = operands.split_once(" * ") {
+        let text = format!("`*` can't take {} and {}", quoted(left), quoted(right));
+        return Some((text, None));
+    }
+    let operand = operands.split_once('(').map_or("", |(_, operand)| operand);
+    let operand = quoted(operand.trim_end_matches(", _)"));
+    Some(match operator {
+        "&&" | "||" => (
+            format!("`{operator}` can't take {operand}"),
+            Some(format!(
+                "`{operator}` combines conditions, which are `bool`"
+            )),
+        ),
+        _ => (
+            format!("`{operator}` can't compare {operand}"),
+            Some("compare numbers, or vectors component by component".to_owned()),
+        ),
+    })
+}
+
+/// The type that a message says is lacking.
+fn lacking(message: &str) -> Option<&str> {
+    let (name, rest) = message.strip_prefix("Using `")?.split_once("` values")?;
+    rest.contains("Capabilities").then_some(name)
+}
+
+/// The operator that can't take the operands that it has.
+pub(crate) fn refused_operator(message: &str) -> Option<&'static str> {
+    let operands = message.strip_prefix("Incompatible operands: ")?;
+    let name = operands.split_once('(').map_or(operands, |(name, _)| name);
+    Some(match name {
+        "Equal" => "==",
+        "NotEqual" => "!=",
+        "Less" => "<",
+        "LessEqual" => "<=",
+        "Greater" => ">",
+        "GreaterEqual" => ">=",
+        "LogicalAnd" => "&&",
+        "LogicalOr" => "||",
+        _ if operands.contains(" * ") => "*",
+        _ => return None,
+    })
+}
+
+/// A type between backticks, or what stands for one.
+fn quoted(ty: &str) -> String {
+    let is_described = ["a ", "an ", "something"]
+        .iter()
+        .any(|start| ty.starts_with(start));
+    match (ty, is_described) {
+        ("", _) => "this".to_owned(),
+        (_, true) => ty.to_owned(),
+        (_, false) => format!("`{ty}`"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn types_are_spoken_of_without_nagas_structures() {
+        for (message, plain) in [
+            (
+                "Using `i64` values requires the `naga::valid::Capabilities::SHADER_INT64` flag",
+                "`i64` is not available in textures: not every GPU has it",
+            ),
+            (
+                "Invalid access into expression [7], indexed: true",
+                "what is indexed here has no components",
+            ),
+            (
+                "Index 3 is out of bounds for expression [3]",
+                "index 3 is beyond the end of what is indexed here",
+            ),
+            (
+                "Incompatible operands: LogicalAnd(f32, _)",
+                "`&&` can't take `f32`",
+            ),
+            (
+                "Incompatible operands: Equal(Array { base: [3], size: Constant(4), stride: 4 }, _)",
+                "`==` can't compare an array",
+            ),
+            (
+                "Incompatible operands: NotEqual(Matrix { columns: Bi, rows: Bi, scalar: Scalar { kind: Float, width: 4 } }, _)",
+                "`!=` can't compare `mat2x2<f32>`",
+            ),
+            (
+                "Incompatible operands: Struct { members: [StructMember { name: Some(\"a\"), ty: [1], binding: None, offset: 0 }], span: 4 } * Scalar(Scalar { kind: Float, width: 4 })",
+                "`*` can't take a structure and `f32`",
+            ),
+        ] {
+            let said = in_plain_words(message).map(|(text, _)| text);
+            assert_eq!(said.as_deref(), Some(plain));
+        }
+        assert_eq!(in_plain_words("expected `;`, found \"}\""), None);
+    }
+}
