@@ -7,6 +7,9 @@ use std::path::{Path, PathBuf};
 
 use texgen::{Diagnostic, SourceFile};
 
+/// Definitions don't inherit from each other through more than these, which ends circles, too.
+const MAX_BASES: usize = 256;
+
 /// Number of an element in its [`Document`].
 pub type ElementId = usize;
 
@@ -136,6 +139,20 @@ impl Document {
         self.definitions.get(category).map_or(&[], Vec::as_slice)
     }
 
+    /// A definition and those that it inherits from, the nearest first.
+    pub fn lineage(&self, definition: ElementId) -> impl Iterator<Item = ElementId> {
+        let base = move |&at: &ElementId| {
+            let name = self.element(at).attribute("inherit")?;
+            self.child(Self::ROOT, "nodedef", name)
+        };
+        std::iter::successors(Some(definition), base).take(MAX_BASES)
+    }
+
+    /// An input as a definition declares it, or else the nearest that it inherits from.
+    pub fn declared(&self, definition: ElementId, name: &str) -> Option<ElementId> {
+        self.lineage(definition).find_map(|at| self.input(at, name))
+    }
+
     /// The graph that a definition is implemented by.
     pub fn implementation(&self, definition: ElementId) -> Option<ElementId> {
         let name = self.element(definition).name();
@@ -173,16 +190,19 @@ impl Document {
         None
     }
 
-    /// What goes before file names in an element: the `fileprefix` of all that it stands in, the outermost first.
-    pub fn file_prefix(&self, id: ElementId) -> String {
-        let mut prefixes = Vec::new();
+    /// What goes before file names in an element: its own `fileprefix`, or that of the nearest one that it stands in. One that is
+    /// empty counts: it takes away those further out.
+    pub fn file_prefix(&self, id: ElementId) -> &str {
         let mut at = Some(id);
         while let Some(id) = at {
             let element = self.element(id);
-            prefixes.extend(element.attribute("fileprefix"));
+            let mut attributes = element.attributes.iter();
+            if let Some((_, prefix)) = attributes.find(|(key, _)| key == "fileprefix") {
+                return prefix.trim();
+            }
             at = element.parent;
         }
-        prefixes.into_iter().rev().collect()
+        ""
     }
 
     /// A warning about an element, which shows its line.

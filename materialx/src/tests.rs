@@ -49,9 +49,14 @@ impl Files for Memory {
 
 /// What a surface with these inputs becomes, beside what else stands in the document.
 fn imported(files: &Memory, rest: &str, inputs: &str) -> Converted {
+    imported_as("standard_surface", files, rest, inputs)
+}
+
+/// The same of any model.
+fn imported_as(model: &str, files: &Memory, rest: &str, inputs: &str) -> Converted {
     let text = format!(
-        "<materialx version=\"1.39\">\n{rest}\n<standard_surface name=\"S\" type=\"surfaceshader\">\n{inputs}\n\
-         </standard_surface>\n<surfacematerial name=\"M\" type=\"material\">\n\
+        "<materialx version=\"1.39\">\n{rest}\n<{model} name=\"S\" type=\"surfaceshader\">\n{inputs}\n\
+         </{model}>\n<surfacematerial name=\"M\" type=\"material\">\n\
          <input name=\"surfaceshader\" type=\"surfaceshader\" nodename=\"S\"/>\n</surfacematerial>\n</materialx>"
     );
     let document = Document::parse(files, Path::new("a.mtlx"), &text);
@@ -402,4 +407,375 @@ fn inputs_of_atan2_have_their_former_names_too() {
         look_text(&converted)
     };
     assert_eq!(of(["in1", "in2"]), of(["iny", "inx"]));
+}
+
+#[test]
+fn the_nearest_prefix_of_file_names_counts() {
+    let nodes = r#"<image name="i" type="color3">
+         <input name="file" type="filename" fileprefix="textures/" value="color2/color2.png"/>
+         </image>"#;
+    let (graph, input) = graph(nodes, "i");
+    let graph = graph.replace("<nodegraph", "<nodegraph fileprefix=\"textures/color/\"");
+    let files = Memory::default().with("textures/color2/color2.png", "");
+    let converted = imported(&files, &graph, &input);
+    assert_eq!(warnings(&converted), [""; 0]);
+    let text = look_text(&converted);
+    assert!(text.contains("\"textures/color2/color2.png\""), "{text}");
+}
+
+#[test]
+fn included_files_have_their_own_prefix_or_that_of_the_file() {
+    let files = Memory::default()
+        .with(
+            "own.mtlx",
+            r#"<materialx fileprefix="maps/"><image name="own"/></materialx>"#,
+        )
+        .with(
+            "none.mtlx",
+            r#"<materialx><image name="none"/></materialx>"#,
+        );
+    let text = r#"<materialx fileprefix="outer/" xmlns:xi="http://www.w3.org/2001/XInclude">
+        <xi:include href="own.mtlx"/><xi:include href="none.mtlx"/>
+        <nodegraph name="inner" fileprefix="inner/"><image name="empty" fileprefix=""/></nodegraph>
+        </materialx>"#;
+    let document = Document::parse(&files, Path::new("a.mtlx"), text);
+    let document = document.unwrap_or_else(|problems| panic!("{}", problems.render()));
+    for (name, prefix) in [
+        ("own", "maps/"),
+        ("none", "outer/"),
+        ("inner", "inner/"),
+        ("empty", ""),
+    ] {
+        let mut elements = document.elements.iter();
+        let id = elements.position(|element| element.name() == name);
+        let id = id.unwrap_or_else(|| panic!("{name}"));
+        assert_eq!(document.file_prefix(id), prefix, "{name}");
+    }
+}
+
+#[test]
+fn properties_of_the_surface_are_defaults_of_definitions() {
+    let of = |ty: &str, property: &str| {
+        let rest = format!(
+            r#"<nodedef name="ND" node="shown"><input name="in" type="{ty}" defaultgeomprop="{property}"/>
+            <output name="out" type="color3"/></nodedef><nodegraph name="NG" nodedef="ND">
+            <convert name="c" type="color3"><input name="in" type="{ty}" interfacename="in"/></convert>
+            <output name="out" type="color3" nodename="c"/></nodegraph><shown name="x" type="color3"/>"#
+        );
+        let input = r#"<input name="base_color" type="color3" nodename="x"/>"#;
+        let converted = imported(&Memory::default(), &rest, input);
+        (look_text(&converted), converted.warnings.render())
+    };
+    for (ty, property, texture) in [
+        ("vector2", "UV0", "mx_texcoord"),
+        ("vector2", "UV1", "mx_texcoord1"),
+        ("vector3", "Pobject", "mx_position"),
+        ("vector3", "Pworld", "mx_position_world"),
+        ("vector3", "Nobject", "mx_normal"),
+        ("vector3", "Nworld", "mx_normal_world"),
+        ("vector3", "Tworld", "mx_tangent_world"),
+        ("vector3", "Bworld", "mx_bitangent_world"),
+        ("vector3", "Vworld", "mx_viewdirection_world"),
+    ] {
+        let (text, said) = of(ty, property);
+        let wanted = format!("texture = \"{texture}\"");
+        assert!(text.contains(&wanted), "{property}:\n{text}");
+        assert_eq!(said, "", "{property}");
+    }
+    // Those that there are in the world alone, and those that there aren't.
+    let (text, said) = of("vector3", "Tobject");
+    assert!(text.contains("texture = \"mx_tangent_world\""), "{text}");
+    assert!(said.contains("not in the object's own space"), "{said}");
+    let (text, said) = of("vector3", "Curvature");
+    assert!(!text.contains("[node"), "{text}");
+    assert!(said.contains("`Curvature` is not known"), "{said}");
+}
+
+#[test]
+fn definitions_inherit_inputs() {
+    let rest = r#"<nodedef name="ND_base" node="base"><input name="far" type="float" value="0.25"/>
+         <input name="near" type="float" value="0.75"/>
+         <input name="place" type="vector2" defaultgeomprop="UV0"/>
+         <output name="out" type="color3"/></nodedef>
+         <nodedef name="ND_middle" node="middle" inherit="ND_base">
+         <input name="near" type="float" value="0.5"/></nodedef>
+         <nodedef name="ND_derived" node="derived" inherit="ND_middle"/>
+         <nodegraph name="NG" nodedef="ND_derived">
+         <combine3 name="c" type="color3"><input name="in1" type="float" interfacename="far"/>
+         <input name="in2" type="float" interfacename="near"/>
+         <input name="in3" type="float" nodename="y"/></combine3>
+         <extract name="y" type="float"><input name="in" type="vector2" interfacename="place"/>
+         <input name="index" type="integer" value="1"/></extract>
+         <output name="out" type="color3" nodename="c"/></nodegraph>
+         <derived name="x" type="color3"/>"#;
+    let inputs = r#"<input name="base_color" type="color3" nodename="x"/>"#;
+    let converted = imported(&Memory::default(), rest, inputs);
+    assert_eq!(warnings(&converted), [""; 0]);
+    let text = look_text(&converted);
+    let wanted = "in1 = 0.25\nin2 = 0.5\nin3 = \"texcoord.y\"";
+    assert!(text.contains(wanted), "{text}");
+}
+
+#[test]
+fn inputs_that_no_definition_knows_are_named() {
+    // A circle of definitions, none of which has it; one that has no value for it; one whose value is an empty text.
+    let graph = r#"<dot name="d" type="float"><input name="in" type="float" interfacename="in"/></dot>
+         <output name="out" type="float" nodename="d"/>"#;
+    let of = |definitions: &str| {
+        let rest = format!(
+            r#"{definitions}<nodegraph name="NG" nodedef="ND">{graph}</nodegraph><n name="x" type="float"/>"#
+        );
+        let inputs = r#"<input name="metalness" type="float" nodename="x"/>"#;
+        let converted = imported(&Memory::default(), &rest, inputs);
+        converted.warnings.render()
+    };
+    let output = r#"<output name="out" type="float"/>"#;
+    let said = of(&format!(
+        r#"<nodedef name="ND" node="n" inherit="ND_b">{output}</nodedef><nodedef name="ND_b" inherit="ND"/>"#
+    ));
+    assert!(said.contains("no input called `in` here"), "{said}");
+    let with = |attributes: &str| {
+        format!(r#"<nodedef name="ND" node="n"><input name="in" {attributes}/>{output}</nodedef>"#)
+    };
+    let said = of(&with(r#"type="float""#));
+    assert!(
+        said.contains("`in` is given nothing, and its definition has no value"),
+        "{said}"
+    );
+    assert_eq!(of(&with(r#"type="string" value="""#)), "");
+}
+
+#[test]
+fn of_overloaded_definitions_the_one_counts_that_takes_what_is_given() {
+    let graph = |name: &str, value: &str| {
+        format!(
+            r#"<nodegraph name="NG_{name}" nodedef="ND_{name}"><constant name="k" type="float">
+            <input name="value" type="float" value="{value}"/></constant>
+            <output name="out" type="float" nodename="k"/></nodegraph>"#
+        )
+    };
+    let rest = format!(
+        r#"<nodedef name="ND_number" node="pick"><input name="in" type="float" value="0"/>
+        <output name="out" type="float"/></nodedef>
+        <nodedef name="ND_wide"><input name="in" type="vector3" value="0, 0, 0"/></nodedef>
+        <nodedef name="ND_vector" node="pick" inherit="ND_wide"><output name="out" type="float"/></nodedef>
+        <nodedef name="ND_more" node="pick"><input name="in" type="float" value="0"/>
+        <input name="more" type="float" value="0"/><output name="out" type="float"/></nodedef>
+        <nodedef name="ND_color" node="pick"><input name="in" type="float" value="0"/>
+        <output name="out" type="color3"/></nodedef>{}{}{}"#,
+        graph("number", "0.25"),
+        graph("vector", "0.5"),
+        graph("more", "0.75"),
+    );
+    for (given, wanted) in [
+        (r#"<input name="in" type="float" value="1"/>"#, "0.25"),
+        (
+            r#"<input name="in" type="vector3" value="1, 1, 1"/>"#,
+            "0.5",
+        ),
+        (r#"<input name="more" type="float" value="1"/>"#, "0.75"),
+        ("", "0.25"),
+        // None takes this: the first that gives a number.
+        (
+            r#"<input name="in" type="color3" value="1, 1, 1"/>"#,
+            "0.25",
+        ),
+        (r#"<input name="other" type="float" value="1"/>"#, "0.25"),
+    ] {
+        let rest = format!(r#"{rest}<pick name="x" type="float">{given}</pick>"#);
+        let inputs = r#"<input name="metalness" type="float" nodename="x"/>"#;
+        let text = look_text(&imported(&Memory::default(), &rest, inputs));
+        let wanted = format!("metallic = {wanted}");
+        assert!(text.contains(&wanted), "{given}: {wanted}\n{text}");
+    }
+}
+
+/// A body that lets light through, with further inputs: numbers and colours, or the nodes that drive them. What is said of it,
+/// and its look.
+fn body(model: &str, inputs: &[(&str, &str)]) -> (String, String) {
+    let rest = r#"<noise3d name="n" type="float"/>
+         <convert name="c" type="color3"><input name="in" type="float" nodename="n"/></convert>"#;
+    let weight = match model {
+        "open_pbr_surface" => "transmission_weight",
+        _ => "transmission",
+    };
+    let input = |(name, given): &(&str, &str)| {
+        let ty = if name.ends_with("color") {
+            "color3"
+        } else {
+            "float"
+        };
+        let is_node = matches!(*given, "n" | "c");
+        let from = if is_node { "nodename" } else { "value" };
+        format!(r#"<input name="{name}" type="{ty}" {from}="{given}"/>"#)
+    };
+    let inputs: String = inputs.iter().map(input).collect();
+    let inputs = input(&(weight, "1")) + &inputs;
+    let converted = imported_as(model, &Memory::default(), rest, &inputs);
+    (warnings(&converted).join("\n"), look_text(&converted))
+}
+
+#[test]
+fn what_a_body_absorbs_is_constant() {
+    let (distance, color) = ("attenuation_distance", "attenuation_color");
+    let (depth, tint) = ("transmission_depth", "transmission_color");
+    let red = "1, 0, 0";
+    let is_red = "base_color = [1.0, 0.0, 0.0]";
+    // The model and its inputs; which of them are lost, and what is there all the same.
+    type Case<'a> = (&'a str, &'a [(&'a str, &'a str)], &'a [&'a str], &'a str);
+    let cases: [Case<'_>; 11] = [
+        ("gltf_pbr", &[(distance, "0.5"), (color, "c")], &[color], ""),
+        (
+            "gltf_pbr",
+            &[(distance, "n"), (color, red)],
+            &[distance],
+            "",
+        ),
+        (
+            "gltf_pbr",
+            &[(distance, "n"), (color, "c")],
+            &[color, distance],
+            "",
+        ),
+        // Nothing is lost where nothing is absorbed.
+        ("gltf_pbr", &[(distance, "n")], &[], ""),
+        ("gltf_pbr", &[(distance, "0"), (color, "c")], &[], ""),
+        (
+            "standard_surface",
+            &[(depth, "n"), (tint, red)],
+            &[depth],
+            is_red,
+        ),
+        (
+            "standard_surface",
+            &[(depth, "0.5"), (tint, "c")],
+            &[tint],
+            "base_color = \"",
+        ),
+        ("standard_surface", &[(tint, "c")], &[], "base_color = \""),
+        (
+            "standard_surface",
+            &[(depth, "n")],
+            &[],
+            "base_color = [1.0, 1.0, 1.0]",
+        ),
+        (
+            "standard_surface",
+            &[(depth, "n"), (tint, red), ("thin_walled", "1")],
+            &[],
+            is_red,
+        ),
+        (
+            "open_pbr_surface",
+            &[(depth, "n"), (tint, red)],
+            &[depth],
+            is_red,
+        ),
+    ];
+    for (model, inputs, lost, kept) in cases {
+        let (said, text) = body(model, inputs);
+        assert_eq!(said.lines().count(), lost.len(), "{inputs:?}: {said}");
+        for lost in lost {
+            let wanted = format!("`{lost}` has no counterpart where a node drives it");
+            assert!(said.contains(&wanted), "{inputs:?}: {said}");
+        }
+        assert!(text.contains(kept), "{inputs:?}: {kept}\n{text}");
+        assert!(!text.contains("attenuation"), "{inputs:?}:\n{text}");
+    }
+}
+
+#[test]
+fn dispersion_is_constant() {
+    let own = "transmission_dispersion";
+    let scale = "transmission_dispersion_scale";
+    let abbe = "transmission_dispersion_abbe_number";
+    for (model, input, why) in [
+        ("gltf_pbr", "dispersion", "refracted alike"),
+        ("standard_surface", own, "refracted alike"),
+        ("open_pbr_surface", scale, "refracted alike"),
+    ] {
+        let (said, text) = body(model, &[(input, "n")]);
+        let wanted = format!("`{input}` has no counterpart where a node drives it");
+        assert!(said.contains(&wanted) && said.contains(why), "{said}");
+        assert!(!text.contains("dispersion"), "{text}");
+    }
+    let (said, text) = body("open_pbr_surface", &[(scale, "0.5"), (abbe, "n")]);
+    assert!(said.contains(abbe) && said.contains("20 stands"), "{said}");
+    assert!(text.contains("dispersion = 0.5"), "{text}");
+    let (said, _) = body("open_pbr_surface", &[(abbe, "n")]);
+    assert_eq!(said, "");
+}
+
+/// What a node without its image gives: the look of a surface whose colour, metalness and specular weight are these outputs.
+fn without_image(kind: &str, fallback: &str, outputs: [&str; 3]) -> String {
+    let node = format!(
+        r#"<{kind} name="t" type="multioutput">
+        <input name="file" type="filename" value="missing.png"/>{fallback}</{kind}>"#
+    );
+    let [color, metalness, specular] = outputs;
+    let inputs = format!(
+        r#"<input name="base_color" type="color3" nodename="t" output="{color}"/>
+        <input name="metalness" type="float" nodename="t" output="{metalness}"/>
+        <input name="specular" type="float" nodename="t" output="{specular}"/>"#
+    );
+    let converted = imported(&Memory::default(), &node, &inputs);
+    let said = warnings(&converted).join("\n");
+    assert!(said.contains("missing.png is not there"), "{said}");
+    assert_eq!(said.lines().count(), 1, "{said}");
+    look_text(&converted)
+}
+
+#[test]
+fn each_output_of_a_missing_image_has_its_part_of_the_fallback() {
+    let four =
+        |name: &str| format!(r#"<input name="{name}" type="color4" value="1, 0.5, 0.25, 0.125"/>"#);
+    let (usd, gltf) = (["rgb", "a", "b"], ["outcolor", "outa", "outa"]);
+    // A direction, here along the tangent, and a strength.
+    let direction = r#"<input name="default" type="vector3" value="1, 0.5, 0.75"/>"#;
+    let strength = "anisotropy_strength_out";
+    let anisotropy = [strength, strength, "anisotropy_rotation_out"];
+    for (kind, fallback, outputs, [color, metallic, specular]) in [
+        (
+            "UsdUVTexture",
+            &*four("fallback"),
+            usd,
+            ["[1.0, 0.5, 0.25]", "0.125", "0.25"],
+        ),
+        // USD's own fallback is opaque.
+        ("UsdUVTexture", "", usd, ["[0.0, 0.0, 0.0]", "1.0", "0.0"]),
+        (
+            "gltf_colorimage",
+            &*four("default"),
+            gltf,
+            ["[1.0, 0.5, 0.25]", "0.125", "0.125"],
+        ),
+        (
+            "gltf_colorimage",
+            "",
+            gltf,
+            ["[0.0, 0.0, 0.0]", "0.0", "0.0"],
+        ),
+        (
+            "gltf_anisotropy_image",
+            direction,
+            anisotropy,
+            ["[0.75, 0.75, 0.75]", "0.75", "0.0"],
+        ),
+        (
+            "gltf_anisotropy_image",
+            "",
+            anisotropy,
+            ["[0.0, 0.0, 0.0]", "0.0", "0.0"],
+        ),
+    ] {
+        let text = without_image(kind, fallback, outputs);
+        for (key, value) in [
+            ("base_color", color),
+            ("metallic", metallic),
+            ("specular", specular),
+        ] {
+            let wanted = format!("\n{key} = {value}\n");
+            assert!(text.contains(&wanted), "{kind} {fallback}: {wanted}{text}");
+        }
+    }
 }

@@ -169,16 +169,53 @@ impl Converter<'_> {
         if let Some(given) = document.input(caller.node, name) {
             return self.connected(&caller.scope, given);
         }
-        let declared = document.input(caller.definition, name)?;
-        if let Some(text) = document.element(declared).attribute("value") {
+        let Some(declared) = document.declared(caller.definition, name) else {
+            return self.missing(id, "input", name);
+        };
+        let element = document.element(declared);
+        if let Some(text) = element.attribute("value") {
             return self.written(declared, text);
         }
-        match document.element(declared).attribute("defaultgeomprop") {
-            Some("UV0") => Some(self.place("mx_texcoord", Type::Vector2)),
-            Some("Pobject") => Some(self.place("mx_position", Type::Vector3)),
-            Some("Pworld") => Some(self.place("mx_position_world", Type::Vector3)),
-            _ => None,
+        if let Some(property) = element.attribute("defaultgeomprop") {
+            return self.property(declared, property);
         }
+        // A value that is there but empty says that nothing is meant, as of texts and names of files.
+        if !element.attributes.iter().any(|(key, _)| key == "value") {
+            let message = format!(
+                "the input `{name}` is given nothing, and its definition has no value for it: what takes it has its default"
+            );
+            self.warn(caller.node, message);
+        }
+        None
+    }
+
+    /// What an input has by the name of one of MaterialX's properties of the surface.
+    fn property(&mut self, id: ElementId, name: &str) -> Option<Value> {
+        let texture = match name {
+            "UV0" => return Some(self.place("mx_texcoord", Type::Vector2)),
+            "UV1" => return Some(self.place("mx_texcoord1", Type::Vector2)),
+            "Pobject" => "mx_position",
+            "Pworld" => "mx_position_world",
+            "Nobject" => "mx_normal",
+            "Nworld" => "mx_normal_world",
+            "Tobject" | "Tworld" => "mx_tangent_world",
+            "Bobject" | "Bworld" => "mx_bitangent_world",
+            "Vobject" | "Vworld" => "mx_viewdirection_world",
+            _ => {
+                let message = format!(
+                    "the geometric property `{name}` is not known: what takes it has its default"
+                );
+                self.warn(id, message);
+                return None;
+            }
+        };
+        if matches!(name, "Tobject" | "Bobject" | "Vobject") {
+            self.warn(
+                id,
+                format!("`{name}` is given in the world, not in the object's own space"),
+            );
+        }
+        Some(self.vector(texture))
     }
 
     /// The node that an input is connected to, straight or through a graph's output.
@@ -258,27 +295,57 @@ impl Converter<'_> {
         value
     }
 
-    /// The definition of a node as a graph, where the document has one.
+    /// The definition of a node as a graph, where the document has one. Of several that give its type it is the first that takes
+    /// all that the node is given, or else the first.
     fn definition(&self, id: ElementId) -> Option<(ElementId, ElementId)> {
         let document = self.document;
         let node = document.element(id);
-        let ty = node.attribute("type");
-        let gives = |definition: ElementId| {
-            let element = document.element(definition);
-            let children = document.children(definition).iter();
-            let mut inside = children.map(|&child| document.element(child));
-            ty == Some("multioutput")
-                || element.attribute("type") == ty
-                || inside.any(|child| child.kind == "output" && child.attribute("type") == ty)
-        };
-        let definitions = document.definitions(&node.kind).iter().copied();
         let definition = match node.attribute("nodedef") {
             Some(name) => document.child(Document::ROOT, "nodedef", name),
-            None => definitions
-                .into_iter()
-                .find(|&definition| gives(definition)),
+            None => {
+                let definitions = document.definitions(&node.kind).iter().copied();
+                let mut giving = definitions.filter(|&definition| self.gives(definition, id));
+                let fitting = giving
+                    .clone()
+                    .find(|&definition| self.takes(definition, id));
+                fitting.or_else(|| giving.next())
+            }
         }?;
         Some((definition, document.implementation(definition)?))
+    }
+
+    /// Whether a definition has an output of a node's type. Those that it inherits count where it declares none.
+    fn gives(&self, definition: ElementId, node: ElementId) -> bool {
+        let document = self.document;
+        let Some(ty) = document.element(node).attribute("type") else {
+            return true;
+        };
+        let mut types = document.lineage(definition).map(|at| {
+            let children = document.children(at).iter();
+            let outputs = children.map(|&child| document.element(child));
+            let outputs = outputs.filter(|child| child.kind == "output");
+            let declaring = std::iter::once(document.element(at)).chain(outputs);
+            let types = declaring.filter_map(|element| element.attribute("type"));
+            types.collect::<Vec<_>>()
+        });
+        ty == "multioutput"
+            || types
+                .find(|types| !types.is_empty())
+                .is_some_and(|types| types.contains(&ty))
+    }
+
+    /// Whether a definition declares all inputs that a node is given, with their types.
+    fn takes(&self, definition: ElementId, node: ElementId) -> bool {
+        let document = self.document;
+        let children = document.children(node).iter();
+        let inside = children.map(|&child| document.element(child));
+        let mut given = inside.filter(|child| matches!(&*child.kind, "input" | "parameter"));
+        given.all(|given| {
+            let declared = document.declared(definition, given.name());
+            declared.is_some_and(|declared| {
+                document.element(declared).attribute("type") == given.attribute("type")
+            })
+        })
     }
 
     fn defined(

@@ -5,7 +5,7 @@ use std::rc::Rc;
 use scene::look;
 use texgen::{Attribute, BuiltinAttribute, Parameter, ParameterType, TextureType};
 
-use crate::document::ElementId;
+use crate::document::{Element, ElementId};
 use crate::textures;
 use crate::types::Type;
 use crate::value::{Link, Value};
@@ -46,27 +46,21 @@ impl Converter<'_> {
         };
         let texture = textures::interface(&name)?;
         if let Some(missing) = self.missing_image(scope, id, &texture) {
-            return Some(Results::One(missing));
+            return Some(missing);
         }
         let element = self.document.element(id);
         if matches!(&*element.kind, "flake2d" | "flake3d") {
             return self.flakes(scope, id, &texture);
         }
         self.warn_of_rest(id, &texture);
-        let ty = match element.attribute("type") {
-            Some("multioutput") | None => Type::Vector4,
-            Some(name) => match matrix::size_of(name) {
-                Some(size) => {
-                    let rows = (0..size).map(|row| {
-                        Value::Link(self.use_of(scope, id, &texture, matrix::row_type(size), row))
-                    });
-                    return Some(Results::One(Value::Matrix(rows.collect())));
-                }
-                None => Type::of(name),
-            },
-        };
-        let link = self.use_of(scope, id, &texture, ty, 0);
-        Some(outputs(&element.kind, link))
+        if let Some(size) = element.attribute("type").and_then(matrix::size_of) {
+            let rows = (0..size).map(|row| {
+                Value::Link(self.use_of(scope, id, &texture, matrix::row_type(size), row))
+            });
+            return Some(Results::One(Value::Matrix(rows.collect())));
+        }
+        let link = self.use_of(scope, id, &texture, whole_type(element), 0);
+        Some(outputs(&element.kind, &Value::Link(link)))
     }
 
     /// Two nodes of the look: one for what flakes are, one for their normals.
@@ -130,25 +124,37 @@ impl Converter<'_> {
         names.find(|name| textures::names().any(|known| known == name))
     }
 
-    /// What stands for a node whose image isn't there.
+    /// What a node gives whose image isn't there: its fallback where it has one.
     fn missing_image(
         &mut self,
         scope: &Rc<Scope>,
         id: ElementId,
         texture: &TextureType,
-    ) -> Option<Value> {
+    ) -> Option<Results> {
         let parameters = texture.parameters().iter();
-        let images = parameters.filter(|parameter| parameter.ty == ParameterType::Image);
-        let names: Vec<String> = images.map(|parameter| parameter.name.clone()).collect();
-        for name in names {
-            if self.input(scope, id, &name).is_none() {
-                let fallback = ["default", "fallback"];
-                let found = fallback.iter().find_map(|name| self.input(scope, id, name));
-                let ty = Type::of(self.document.element(id).attribute("type").unwrap_or(""));
-                return Some(found.unwrap_or(Value::Numbers(ty, [0.0; 4])));
-            }
+        let mut images = parameters.filter(|parameter| parameter.ty == ParameterType::Image);
+        if images.all(|image| self.input(scope, id, &image.name).is_some()) {
+            return None;
         }
-        None
+        let fallback = ["default", "fallback"];
+        let found = fallback.iter().find_map(|name| self.input(scope, id, name));
+        let element = self.document.element(id);
+        let nothing = Value::Numbers(whole_type(element), [0.0; 4]);
+        let value = match (&*element.kind, found) {
+            ("UsdUVTexture", None) => Value::Numbers(Type::Vector4, [0.0, 0.0, 0.0, 1.0]),
+            ("gltf_anisotropy_image", Some(found)) => match found.known() {
+                Some(pixel) => anisotropy(pixel),
+                None => {
+                    self.warn(
+                        id,
+                        "without its image the node gives 0: a node drives its default",
+                    );
+                    nothing
+                }
+            },
+            (_, found) => found.unwrap_or(nothing),
+        };
+        Some(outputs(&element.kind, &value))
     }
 
     /// Arguments for a texture, of matrices their row of that number, and whether the fourth component of what it gives is the
@@ -389,8 +395,22 @@ fn keep_width(kind: &str, values: &mut [(&Parameter, Value)]) -> bool {
     }
 }
 
+/// The type of all that a node gives: of several values at once four numbers.
+fn whole_type(element: &Element) -> Type {
+    match element.attribute("type") {
+        Some("multioutput") | None => Type::Vector4,
+        Some(name) => Type::of(name),
+    }
+}
+
+/// Strength and turn of an anisotropy from a pixel, as `mx_gltf_anisotropy_image` has it.
+fn anisotropy([x, y, strength, _]: [f32; 4]) -> Value {
+    let turn = (2.0 * y - 1.0).atan2(2.0 * x - 1.0);
+    Value::Numbers(Type::Vector4, [strength, turn, 0.0, 0.0])
+}
+
 /// Names of what a node gives where it gives several values.
-fn outputs(kind: &str, link: Link) -> Results {
+fn outputs(kind: &str, value: &Value) -> Results {
     let parts: &[(&str, Type, &[usize])] = match kind {
         "gltf_colorimage" => &[
             ("outcolor", Type::Color3, &[0, 1, 2]),
@@ -408,10 +428,10 @@ fn outputs(kind: &str, link: Link) -> Results {
             ("b", Type::Float, &[2]),
             ("a", Type::Float, &[3]),
         ],
-        _ => return Results::One(Value::Link(link)),
+        _ => return Results::One(value.clone()),
     };
     let part = |(name, ty, components): &(&str, Type, &[usize])| {
-        ((*name).to_owned(), Value::Link(link.pick(*ty, components)))
+        ((*name).to_owned(), value.pick(*ty, components))
     };
     Results::Named(parts.iter().map(part).collect())
 }

@@ -225,6 +225,11 @@ impl Converter<'_> {
                 "it is given in the world, not in the object's own space",
             );
         }
+        self.vector(texture)
+    }
+
+    /// A vector of the surface; only positions have the width of the pixel.
+    pub(super) fn vector(&mut self, texture: &'static str) -> Value {
         let is_place = texture.starts_with("mx_position");
         let value = self.place(texture, Type::Vector3);
         match value {

@@ -55,16 +55,7 @@ pub(super) fn convert(s: &mut Surface<'_, '_>) {
     if !transmission.is(0.0) {
         s.set("transmission", &transmission, 0.0, 1.0);
         s.set_flag("solid", !thickness.is(0.0));
-        let distance = s.number("attenuation_distance", 0.0);
-        let known = distance
-            .known()
-            .is_some_and(|distance| distance[0] > 0.0 && distance[0] < 1e30);
-        let color = s.color("attenuation_color", 1.0);
-        if let (true, Some([r, g, b, _])) = (known, color.known()) {
-            let held = Value::color([r, g, b].map(|c| c.clamp(1e-4, 1.0)));
-            s.set_color("attenuation_color", &held, 1.0);
-            s.set("attenuation_distance", &distance, 1e-6, f32::MAX);
-        }
+        attenuation(s);
     }
     alpha(s);
     let iridescence = s.number("iridescence", 0.0);
@@ -99,6 +90,7 @@ pub(super) fn convert(s: &mut Surface<'_, '_>) {
             "reflections stretch along the texture coordinates",
         );
     }
+    s.ignores_node("dispersion", "all colours are refracted alike");
     let dispersion = s.number("dispersion", 0.0);
     if dispersion.known().is_some() {
         s.set_unless("dispersion", &dispersion, 0.0, f32::MAX);
@@ -106,6 +98,26 @@ pub(super) fn convert(s: &mut Surface<'_, '_>) {
     let (strength, color) = (s.number("emissive_strength", 1.0), s.color("emissive", 0.0));
     s.emission(&strength, &color);
     s.normal("normal");
+}
+
+/// What the body absorbs, by a colour and the way after which light has it.
+fn attenuation(s: &mut Surface<'_, '_>) {
+    let distance = s.number("attenuation_distance", 0.0);
+    let color = s.color("attenuation_color", 1.0);
+    // What a node drives may be any distance.
+    let absorbs = (distance.known()).is_none_or(|distance| distance[0] > 0.0 && distance[0] < 1e30);
+    if !absorbs {
+        return;
+    }
+    if let (Some([r, g, b, _]), Some(_)) = (color.known(), distance.known()) {
+        let held = Value::color([r, g, b].map(|c| c.clamp(1e-4, 1.0)));
+        s.set_color("attenuation_color", &held, 1.0);
+        s.set("attenuation_distance", &distance, 1e-6, f32::MAX);
+    } else if !color.is(1.0) {
+        for input in ["attenuation_color", "attenuation_distance"] {
+            s.ignores_node(input, "the body absorbs nothing");
+        }
+    }
 }
 
 fn alpha(s: &mut Surface<'_, '_>) {

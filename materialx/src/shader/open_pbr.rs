@@ -169,19 +169,19 @@ fn widths(roughness: f32, anisotropy: f32) -> [f32; 2] {
 }
 
 fn dispersion(s: &mut Surface<'_, '_>) {
+    s.ignores_node(
+        "transmission_dispersion_scale",
+        "all colours are refracted alike",
+    );
     let scale = s.number("transmission_dispersion_scale", 0.0).known();
-    let abbe = s
-        .number("transmission_dispersion_abbe_number", 20.0)
-        .known();
-    if let (Some([scale, ..]), Some([abbe, ..])) = (scale, abbe)
-        && scale > 0.0
-        && abbe > 0.0
-    {
-        s.set(
-            "dispersion",
-            &Value::number(20.0 * scale / abbe),
-            0.0,
-            f32::MAX,
-        );
+    let Some([scale, ..]) = scale.filter(|scale| scale[0] > 0.0) else {
+        return;
+    };
+    s.ignores_node("transmission_dispersion_abbe_number", "20 stands for it");
+    let abbe = s.number("transmission_dispersion_abbe_number", 20.0);
+    let [abbe, ..] = abbe.known().unwrap_or([20.0; 4]);
+    if abbe > 0.0 {
+        let dispersion = Value::number(20.0 * scale / abbe);
+        s.set("dispersion", &dispersion, 0.0, f32::MAX);
     }
 }

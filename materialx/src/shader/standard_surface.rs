@@ -99,6 +99,7 @@ pub(super) fn convert(s: &mut Surface<'_, '_>) {
             "reflections stretch along the texture coordinates",
         );
     }
+    s.ignores_node("transmission_dispersion", "all colours are refracted alike");
     let abbe = s.number("transmission_dispersion", 0.0).known();
     if let Some([abbe, ..]) = abbe.filter(|abbe| abbe[0] > 0.0) {
         s.set("dispersion", &Value::number(20.0 / abbe), 0.0, f32::MAX);

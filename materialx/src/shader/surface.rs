@@ -191,15 +191,23 @@ impl<'c, 'd> Surface<'c, 'd> {
         }
         self.set("transmission", weight, 0.0, 1.0);
         self.set_flag("solid", !is_thin);
-        let has_depth = depth.known().is_some_and(|depth| depth[0] > 0.0);
-        match (color.known(), has_depth && !is_thin) {
-            (Some([r, g, b, _]), true) => {
+        // What a node drives may be any depth.
+        let is_deep = !is_thin && depth.known().is_none_or(|depth| depth[0] > 0.0);
+        match (color.known(), depth.known()) {
+            (Some([r, g, b, _]), Some(_)) if is_deep => {
                 let held = Value::color([r, g, b].map(|c| c.clamp(1e-4, 1.0)));
                 self.set_color("attenuation_color", &held, 1.0);
                 self.set("attenuation_distance", depth, 1e-6, f32::MAX);
                 self.mixed("body_color", &base_color, &Value::color([1.0; 3]), weight)
             }
-            _ => self.mixed("body_color", &base_color, color, weight),
+            _ => {
+                if is_deep && !color.is(1.0) {
+                    for input in ["transmission_color", "transmission_depth"] {
+                        self.ignores_node(input, "the colour is that of the surface");
+                    }
+                }
+                self.mixed("body_color", &base_color, color, weight)
+            }
         }
     }
 
@@ -271,6 +279,14 @@ impl<'c, 'd> Surface<'c, 'd> {
             .converter
             .add(&name, texture, arguments, ty, OutputType::Vec4);
         self.opacity(&Value::Link(link));
+    }
+
+    /// Warns where a node drives an input that is a constant here.
+    pub(super) fn ignores_node(&mut self, input: &str, why: &str) {
+        if matches!(self.given(input), Some(Value::Link(_))) {
+            let message = format!("`{input}` has no counterpart where a node drives it: {why}");
+            self.warn(input, &message);
+        }
     }
 
     /// Warns where an input that is the surface's own by default is driven by another node than the surface's own.
