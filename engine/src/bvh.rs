@@ -164,7 +164,10 @@ fn instance_bounds(instance: &Instance, object: &Bounds) -> Bounds {
     let extent = DMat3::from_cols(axes.x_axis.abs(), axes.y_axis.abs(), axes.z_axis.abs())
         * (0.5 * object.size());
     let (low, high): (DVec3, DVec3) = (center - extent, center + extent);
-    let slack = low.abs().max(high.abs()) * 1e-6;
+    // Of the terms: where a node takes large coordinates nearly away, they are what is rounded.
+    let corner = object.low.abs().max(object.high.abs()).as_dvec3();
+    let terms = DMat3::from_cols(axes.x_axis.abs(), axes.y_axis.abs(), axes.z_axis.abs()) * corner;
+    let slack = (terms + Vec3::from(instance.transform.translation).as_dvec3().abs()) * 1e-6;
     Bounds {
         low: (low - slack).as_vec3a(),
         high: (high + slack).as_vec3a(),

@@ -46,10 +46,18 @@ pub(crate) fn run(job: &BakeJob) -> Result<(), Failure> {
     let mesh = &loaded.scene.meshes[loaded.scene.instances[instance as usize].mesh as usize];
     let mut layout = mesh.clone();
     give_tangents(&mut layout);
+    // What only lies above other materials is on no triangle: it is seen as if it were on all.
+    let own = material.filter(|material| mesh.triangle_materials.contains(material));
+    if material.is_some() && own.is_none() {
+        console::note(&format!(
+            "mesh \"{}\" hasn't the material \"{}\" itself: it is baked over the whole mesh",
+            mesh.name, job.name
+        ));
+    }
     let target = Target {
         instance,
         layout: &layout,
-        material,
+        material: own,
     };
 
     let bar = Bar::new("preparing the device");
@@ -83,14 +91,14 @@ pub(crate) fn run(job: &BakeJob) -> Result<(), Failure> {
         Subject::Node(source) => {
             let maps = baker.node(source, &target, settings, progress)?;
             bar.finish();
-            let rgba = maps.rgba();
             let graph = loaded.procedural.graph();
             let ty =
                 (graph.link_output(source.source, source.swizzle)).map_err(Failure::because)?;
             let is_color = matches!(ty, OutputType::Vec3 | OutputType::Vec4);
+            let rgba = opaque(maps.rgba(), ty);
             match job.output.format {
                 Format::Exr => write_floats(&job.output, maps.size, &rgba)?,
-                _ => write_bytes(&job.output, maps.size, &opaque(shown(&rgba, is_color), ty))?,
+                _ => write_bytes(&job.output, maps.size, &shown(&rgba, is_color))?,
             }
             maps.overlap
         }
@@ -100,9 +108,9 @@ pub(crate) fn run(job: &BakeJob) -> Result<(), Failure> {
 }
 
 /// Only four components have an alpha of their own.
-fn opaque(mut rgba: Vec<u8>, ty: OutputType) -> Vec<u8> {
+fn opaque(mut rgba: Vec<[f32; 4]>, ty: OutputType) -> Vec<[f32; 4]> {
     if ty != OutputType::Vec4 {
-        rgba.chunks_exact_mut(4).for_each(|texel| texel[3] = 255);
+        rgba.iter_mut().for_each(|texel| texel[3] = 1.0);
     }
     rgba
 }
@@ -176,7 +184,7 @@ fn unknown(what: &str, name: &str, known: &[&str]) -> Failure {
     Failure::Failed(format!("there is no {what} called `{name}`; {remedy}"))
 }
 
-/// Which instance is meant: by its name or its mesh's, or the first with the material.
+/// Which instance is meant: by its name or its mesh's, one with the material before others, or the first with the material.
 fn instance(loaded: &Loaded, name: Option<&str>, material: Option<u32>) -> Result<u32, Failure> {
     let scene = &loaded.scene;
     let mesh_of = |instance: &engine::scene::Instance| &scene.meshes[instance.mesh as usize];
@@ -197,7 +205,9 @@ fn instance(loaded: &Loaded, name: Option<&str>, material: Option<u32>) -> Resul
     let is_named = |instance: &engine::scene::Instance| {
         instance.name == name || mesh_of(instance).name == name
     };
-    let found = all().find(|(_, instance)| is_named(instance));
+    let found = all()
+        .find(|(_, instance)| is_named(instance) && has(instance))
+        .or_else(|| all().find(|(_, instance)| is_named(instance)));
     found.map(|(index, _)| index).ok_or_else(|| {
         let mut known: Vec<&str> = (scene.instances.iter())
             .flat_map(|i| [i.name.as_str(), mesh_of(i).name.as_str()])

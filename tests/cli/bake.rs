@@ -1,5 +1,7 @@
 //! `patina bake` and `patina export` on the command line.
 
+use exr::prelude::{ReadChannels as _, ReadLayers as _};
+
 use super::*;
 
 /// A square with texture coordinates.
@@ -62,6 +64,47 @@ fn materials_and_nodes_become_pictures() {
         .run(&format!("bake squares {flags} --mesh Wall -o n.exr"))
         .expect_code(0);
     assert!(bench.path("n.exr").exists());
+}
+
+#[test]
+fn a_number_as_exr_hides_nothing_by_its_alpha() {
+    let bench = Bench::new();
+    square(&bench);
+    let flags = "--scene square.gltf --look l.toml --device native --size 32";
+    bench
+        .run(&format!("bake squares.x {flags} --mesh Wall -o n.exr"))
+        .expect_code(0);
+    let read = exr::prelude::read()
+        .no_deep_data()
+        .largest_resolution_level();
+    let read = read.all_channels().first_valid_layer().all_attributes();
+    let image = read.from_file(bench.path("n.exr")).expect("an EXR file");
+    let channels = &image.layer_data.channel_data.list;
+    let values = |name: &str| -> Vec<f32> {
+        let channel = channels.iter().find(|channel| channel.name.eq(name));
+        let samples = &channel.expect("there is one").sample_data;
+        samples.values_as_f32().collect()
+    };
+    assert!(values("R").iter().any(|&value| value < 0.9));
+    assert!(values("A").iter().all(|&alpha| alpha == 1.0));
+}
+
+#[test]
+fn what_only_lies_above_another_material_is_baked_over_a_named_mesh() {
+    let bench = Bench::new();
+    square(&bench);
+    let look = "[node.squares]\ntexture = \"checker\"\nscale = 4.0\n[material.Rust]\nbase_color = \"squares\"\n\
+                [material.Paint]\nblend = { base = \"Paint\", over = \"Rust\", mask = 0.5 }\n";
+    fs::write(bench.path("l.toml"), look).expect("written");
+    let flags = "--scene square.gltf --look l.toml --device native --size 32 -o p.png";
+    let run = bench.run(&format!("bake Rust {flags}")).expect_code(1);
+    assert!(run.stderr.contains("--mesh NAME"), "{}", run.stderr);
+    let run = bench.run(&format!("bake Rust {flags} --mesh Wall"));
+    let said = run.expect_code(0).stdout;
+    assert!(said.contains("over the whole mesh"), "{said}");
+    let picture = image::open(bench.path("p_base_color.png")).expect("a picture");
+    let colors: std::collections::HashSet<_> = picture.to_rgba8().pixels().map(|p| p.0).collect();
+    assert!(colors.len() >= 2, "a checkerboard: {colors:?}");
 }
 
 #[test]

@@ -29,6 +29,8 @@ pub(super) struct Painter<'a> {
     recipes: Vec<(u32, Recipe)>,
     /// Tables of ambient occlusion that its programs read, a bit each.
     pub(super) occlusion: u32,
+    /// Vertices have colours.
+    has_colors: bool,
 }
 
 /// The places of a batch, with what textures read there.
@@ -47,6 +49,7 @@ impl<'a> Painter<'a> {
         procedural: &Procedural,
         sites: &'a Sites<'a>,
         material: u32,
+        has_colors: bool,
     ) -> Result<Self, BakeError> {
         let mut occlusion = 0;
         let mut recipes = Vec::new();
@@ -70,19 +73,28 @@ impl<'a> Painter<'a> {
             sites,
             recipes,
             occlusion,
+            has_colors,
         })
     }
 
-    /// Whether anything of the material differs from place to place: a program or a picture gives it, or surfaces are mixed.
+    /// Whether it is made of several surfaces.
+    pub(super) fn is_mixed(&self) -> bool {
+        self.recipes.len() > 1
+    }
+
+    /// Whether anything of the material differs from place to place: a program, a picture or the vertices give it, or surfaces
+    /// are mixed.
     pub(super) fn varies(&self, output: Output) -> bool {
-        if self.recipes.len() > 1 {
+        if self.is_mixed() {
             return true;
         }
+        let is_colored = self.has_colors && [Output::BASE_COLOR, Output::OPACITY].contains(&output);
         self.recipes.iter().any(|(index, recipe)| match recipe {
             Recipe::Blend { .. } => true,
             Recipe::Surface(surface) => {
                 let is_driven = surface.outputs.iter().any(|(driven, _)| *driven == output);
-                is_driven || has_picture(&self.scene.materials[*index as usize], output)
+                let material = &self.scene.materials[*index as usize];
+                is_driven || is_colored || has_picture(material, output)
             }
         })
     }

@@ -4,6 +4,11 @@ use std::ops::Range;
 
 use glam::{DVec2, Vec2, Vec3};
 
+/// Coordinates beyond so many cells have no fraction left anyway.
+const FAR: f64 = 1e12;
+/// Of a triangle that repeats the picture downwards, so many repetitions are looked at about.
+const MOST_TILES: i64 = 32;
+
 /// A sample of the picture that lies in a triangle.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sample {
@@ -34,68 +39,198 @@ pub(super) struct Covered {
 /// lies outside [0, 1] comes back on the other side. Where triangles overlap, the first one is shown.
 pub(super) fn cover(drawn: &[Drawn], side: u32, grid: u32, rows: Range<u32>) -> Covered {
     let cells = i64::from(side * grid);
-    let (first, last) = (i64::from(rows.start * grid), i64::from(rows.end * grid));
-    let mut owners: Vec<Option<(u32, Vec3)>> = vec![None; (cells * (last - first)) as usize];
-    let mut twice = 0;
-    for Drawn { triangle, uv } in drawn {
+    let rows_of_cells = i64::from(rows.start * grid)..i64::from(rows.end * grid);
+    let mut canvas = Canvas::new(cells, rows_of_cells);
+    for &Drawn { triangle, uv } in drawn {
         let corners = uv.map(|p| p.as_dvec2() * cells as f64);
         let area = (corners[1] - corners[0]).perp_dot(corners[2] - corners[0]);
         if area == 0.0 || !area.is_finite() {
             continue;
         }
+        let shape = Shape {
+            triangle,
+            corners,
+            area,
+        };
         let low = corners[0].min(corners[1]).min(corners[2]);
         let high = corners[0].max(corners[1]).max(corners[2]);
-        let (x0, x1) = span(low.x, high.x);
-        let (y0, y1) = span(low.y, high.y);
-        if (x1 - x0 > cells || y1 - y0 > cells) && rows.start == 0 {
-            // What repeats the picture has no place of its own but once.
-            twice += (0.5 * area.abs() - (cells * cells) as f64).clamp(1.0, 1e15) as u64;
+        let (columns, lines) = (span(low.x, high.x), span(low.y, high.y));
+        match columns.end - columns.start > cells || lines.end - lines.start > cells {
+            true => canvas.repeat(&shape, &lines),
+            false => canvas.draw(&shape, &columns, &lines),
         }
-        // More than the whole picture shows nothing new.
-        let (x1, y1) = (x1.min(x0 + cells), y1.min(y0 + cells));
-        for tile in y0.div_euclid(cells)..=(y1 - 1).div_euclid(cells) {
-            let top = (tile * cells + first).max(y0);
-            let bottom = (tile * cells + last).min(y1);
+    }
+    Covered {
+        samples: samples(&canvas.owners, side, grid, rows.start),
+        twice: canvas.twice,
+    }
+}
+
+/// Some rows of a picture's cells, a sample each, while triangles are drawn into them. Outside of the picture are copies of it,
+/// the tiles, whose cells go on counting.
+struct Canvas {
+    /// Along a side of the picture.
+    cells: i64,
+    rows: Range<i64>,
+    owners: Vec<Option<(u32, Vec3)>>,
+    /// How many cells of each row nobody has yet.
+    free: Vec<i64>,
+    twice: u64,
+}
+
+impl Canvas {
+    fn new(cells: i64, rows: Range<i64>) -> Self {
+        let count = (rows.end - rows.start) as usize;
+        Self {
+            cells,
+            rows,
+            owners: vec![None; count * cells as usize],
+            free: vec![cells; count],
+            twice: 0,
+        }
+    }
+
+    /// A triangle that is no larger than the picture.
+    fn draw(&mut self, shape: &Shape, columns: &Range<i64>, lines: &Range<i64>) {
+        for tile in tiles(lines, self.cells) {
+            let start = tile * self.cells;
+            let top = (start + self.rows.start).max(lines.start);
+            let bottom = (start + self.rows.end).min(lines.end);
             for y in top..bottom {
-                let row = (y - tile * cells - first) * cells;
-                for x in x0..x1 {
-                    let at = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
-                    let Some(weights) = weights(corners, area, at) else {
-                        continue;
-                    };
-                    let owner = &mut owners[(row + x.rem_euclid(cells)) as usize];
-                    match owner {
-                        None => *owner = Some((*triangle, weights)),
-                        // On an edge that two triangles share, both are there.
-                        Some(_) if weights.min_element() > 1e-3 => twice += 1,
-                        Some(_) => {}
-                    }
+                for x in columns.clone() {
+                    self.mark(shape, y - start, x, y);
                 }
             }
         }
     }
-    Covered {
-        samples: samples(&owners, side, grid, rows.start),
-        twice,
+
+    /// A triangle that may have several places for a cell. The tile in its middle is shown as far as it goes, then those around
+    /// it: what lies side by side on the triangle does so on the picture.
+    fn repeat(&mut self, shape: &Shape, lines: &Range<i64>) {
+        let cells = self.cells;
+        let [column, middle] = shape.middle().map(|x| whole(x.floor()).div_euclid(cells));
+        let all = tiles(lines, cells);
+        let tried = some_of(&all, middle);
+        let before = self.twice;
+        for tile in &tried {
+            for row in self.rows.clone() {
+                self.repeat_line(shape, row, tile * cells + row, column);
+            }
+        }
+        // What wasn't tried repeats the picture as what was.
+        let more = (all.end - all.start) as f64 / tried.len() as f64 - 1.0;
+        let beyond = (self.twice - before) as f64 * more;
+        self.twice = self.twice.saturating_add(beyond as u64);
+    }
+
+    /// A line of such a triangle, which goes into a row of the picture; `column` is the tile in the middle.
+    fn repeat_line(&mut self, shape: &Shape, row: i64, y: i64, column: i64) {
+        let cells = self.cells;
+        let line = shape.line(y);
+        let mut again = (line.end - line.start).max(0);
+        if again > 0 && self.free[(row - self.rows.start) as usize] > 0 {
+            let columns = tiles(&line, cells);
+            let near = column.clamp(columns.start, columns.end - 1);
+            // Where the line goes on beyond these, it has filled the row.
+            for tile in [near, near - 1, near + 1] {
+                let part = line.start.max(tile * cells)..line.end.min((tile + 1) * cells);
+                again -= (part.end - part.start).max(0);
+                for x in part {
+                    self.mark(shape, row, x, y);
+                }
+            }
+        }
+        self.twice = self.twice.saturating_add(again as u64);
+    }
+
+    /// Gives a cell to the triangle if its middle lies within and nobody has it; `row` is where `y` is in the picture.
+    fn mark(&mut self, shape: &Shape, row: i64, x: i64, y: i64) {
+        let at = DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
+        let Some(weights) = shape.weights(at) else {
+            return;
+        };
+        let row = row - self.rows.start;
+        let owner = &mut self.owners[(row * self.cells + x.rem_euclid(self.cells)) as usize];
+        match owner {
+            None => {
+                *owner = Some((shape.triangle, weights));
+                self.free[row as usize] -= 1;
+            }
+            // On an edge that two triangles share, both are there.
+            Some(_) if weights.min_element() > 1e-3 => self.twice = self.twice.saturating_add(1),
+            Some(_) => {}
+        }
     }
 }
 
-/// Whole cells from one place up to another.
-fn span(low: f64, high: f64) -> (i64, i64) {
-    // Coordinates beyond this have no fraction left anyway.
-    let whole = |x: f64| x.clamp(-1e12, 1e12) as i64;
-    (
-        whole(low.floor()),
-        whole(high.ceil()).max(whole(low.floor()) + 1),
-    )
+/// A triangle in cells.
+struct Shape {
+    triangle: u32,
+    corners: [DVec2; 3],
+    /// Twice its area; less than 0 where it is mirrored.
+    area: f64,
 }
 
-fn weights([a, b, c]: [DVec2; 3], area: f64, at: DVec2) -> Option<Vec3> {
-    let second = (at - a).perp_dot(c - a) / area;
-    let third = (b - a).perp_dot(at - a) / area;
-    let first = 1.0 - second - third;
-    let is_inside = first.min(second).min(third) >= -1e-9;
-    is_inside.then(|| Vec3::new(first as f32, second as f32, third as f32))
+impl Shape {
+    fn middle(&self) -> [f64; 2] {
+        let [a, b, c] = self.corners;
+        ((a + b + c) / 3.0).to_array()
+    }
+
+    /// The cells of a line whose middles lie within.
+    fn line(&self, y: i64) -> Range<i64> {
+        let at = y as f64 + 0.5;
+        let [a, b, c] = self.corners;
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        for (from, to) in [(a, b), (b, c), (c, a)] {
+            if (from.y <= at) != (to.y <= at) {
+                let x = from.x + (to.x - from.x) * ((at - from.y) / (to.y - from.y));
+                (low, high) = (low.min(x), high.max(x));
+            }
+        }
+        // Those on the edge, too, however it is rounded: the weights decide.
+        let (low, high) = (low - 0.5 - 1e-6, high - 0.5 + 1e-6);
+        whole(low.ceil())..whole(high.floor()) + 1
+    }
+
+    fn weights(&self, at: DVec2) -> Option<Vec3> {
+        let [a, b, c] = self.corners;
+        let second = (at - a).perp_dot(c - a) / self.area;
+        let third = (b - a).perp_dot(at - a) / self.area;
+        let first = 1.0 - second - third;
+        let is_inside = first.min(second).min(third) >= -1e-9;
+        is_inside.then(|| Vec3::new(first as f32, second as f32, third as f32))
+    }
+}
+
+fn whole(x: f64) -> i64 {
+    x.clamp(-FAR, FAR) as i64
+}
+
+/// Whole cells from one place up to another.
+fn span(low: f64, high: f64) -> Range<i64> {
+    let start = whole(low.floor());
+    start..whole(high.ceil()).max(start + 1)
+}
+
+/// The tiles that some cells lie in; there is a cell at least.
+fn tiles(range: &Range<i64>, cells: i64) -> Range<i64> {
+    range.start.div_euclid(cells)..(range.end - 1).div_euclid(cells) + 1
+}
+
+/// All of some tiles, or a few from one end to the other where they are many; those near the middle come first.
+fn some_of(tiles: &Range<i64>, middle: i64) -> Vec<i64> {
+    let count = tiles.end - tiles.start;
+    let taken = count.min(MOST_TILES);
+    let mut some: Vec<i64> = (0..taken)
+        .map(|i| tiles.start + (count - 1) * i / (taken - 1).max(1))
+        .collect();
+    let middle = middle.clamp(tiles.start, tiles.end - 1);
+    if !some.contains(&middle) {
+        some.push(middle);
+    }
+    some.sort_by_key(|tile| (tile - middle).abs());
+    some
 }
 
 fn samples(owners: &[Option<(u32, Vec3)>], side: u32, grid: u32, first_row: u32) -> Vec<Sample> {
@@ -191,6 +326,62 @@ mod tests {
         assert!(covered.twice > 0);
         let far = cover(&square(Vec2::splat(-1e30), Vec2::splat(1e30)), 8, 1, 0..8);
         assert!(far.samples.len() <= 64);
+    }
+
+    #[test]
+    fn a_triangle_that_repeats_the_picture_is_shown_wherever_it_has_a_texel() {
+        let uv = [[0.0, 1.5], [1.5, 1.5], [1.5, 0.0]].map(Vec2::from);
+        let drawn = [Drawn { triangle: 0, uv }];
+        let covered = cover(&drawn, 64, 1, 0..64);
+        // No tile has those of which both coordinates are above 0.5, and their sum below 1.5.
+        assert_eq!(covered.samples.len(), 3600);
+        for sample in &covered.samples {
+            let at: Vec2 = (0..3).map(|i| uv[i] * sample.weights[i]).sum();
+            let texel = Vec2::new((sample.texel % 64) as f32, (sample.texel / 64) as f32);
+            let off = (at - at.floor()) * 64.0 - texel - 0.5;
+            assert!(off.length() < 1e-2, "{sample:?}: {at}");
+        }
+        // It has 4656 texels in all, some of them on its edge, which others may share.
+        assert!((960..=1056).contains(&covered.twice), "{}", covered.twice);
+        let bands = [0..20, 20..64].map(|rows| cover(&drawn, 64, 1, rows));
+        let samples: usize = bands.iter().map(|band| band.samples.len()).sum();
+        let twice: u64 = bands.iter().map(|band| band.twice).sum();
+        assert_eq!((samples, twice), (3600, covered.twice));
+    }
+
+    #[test]
+    fn what_is_wider_than_the_picture_may_still_have_room_on_it() {
+        // One and a half times the picture: a third of it is shown elsewhere.
+        let wide = square(Vec2::new(0.0, 0.0), Vec2::new(1.5, 0.25));
+        let covered = cover(&wide, 32, 1, 0..32);
+        let own = covered.samples.len() as u64;
+        assert_eq!(own, 32 * 8);
+        assert!((own / 2).abs_diff(covered.twice) <= 16, "{}", covered.twice);
+        // One that leans goes past itself.
+        let corners = [[0.0, 0.0], [1.9, 0.9], [1.9, 0.95]].map(Vec2::from);
+        let lean = [Drawn {
+            triangle: 0,
+            uv: corners,
+        }];
+        let covered = cover(&lean, 64, 1, 0..64);
+        assert!(covered.samples.len() > 80, "{}", covered.samples.len());
+        assert_eq!(covered.twice, 0);
+    }
+
+    #[test]
+    fn triangles_over_millions_of_tiles_take_no_longer() {
+        for (corners, least) in [
+            ([[0.0, 0.0], [1e6, 3e5], [2e5, 1e6]], 1024),
+            ([[-1e6, -1e6], [1e6, -1e6], [0.0, 1e6]], 1024),
+            ([[0.0, 0.0], [0.75, 0.0], [0.0, 1e6]], 700),
+            ([[0.0, 0.0], [1e6, 0.0], [0.0, 0.75]], 700),
+            ([[0.0, 0.0], [1e6, 1e6], [1e6, 1e6 + 0.25]], 1),
+        ] {
+            let uv = corners.map(Vec2::from);
+            let covered = cover(&[Drawn { triangle: 0, uv }], 32, 1, 0..32);
+            let shown = covered.samples.len();
+            assert!(shown >= least, "{corners:?}: {shown}");
+        }
     }
 
     #[test]

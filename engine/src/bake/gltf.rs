@@ -3,16 +3,21 @@
 use std::sync::Arc;
 
 use glam::{Vec3, Vec4};
+use rayon::prelude::*;
 
 use crate::procedural::Output;
 use crate::scene::{AlphaMode, Image, Material};
 
-use super::appearance::{Appearance, COAT_NORMAL};
-use super::images::{linear8, srgb8};
+use super::appearance::{Appearance, COAT_NORMAL, Painter};
+use super::images::{encoded, linear8, srgb8};
 use super::{BakeSettings, Maps, component};
 
 /// Numbers that differ by less are the same in eight bits.
 const SAME: f32 = 1.0 / 512.0;
+/// Opacities that are so near to 0 or 1 are taken for it where a mask is asked for.
+const NEAR: f32 = 0.02;
+/// Borders of masks are so many texels wide to each side: samples and textures smooth them.
+const REACH: usize = 2;
 
 /// Which of a material's pictures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -223,11 +228,14 @@ pub(super) struct Planes {
     outputs: Vec<(Output, usize)>,
     /// The coat's normal comes behind them.
     has_coat_normal: bool,
+    /// The material is made of several surfaces.
+    is_mixed: bool,
 }
 
 impl Planes {
     /// All that differ from place to place, and the normal.
-    pub(super) fn of(varies: impl Fn(Output) -> bool, has_coat_normal: bool) -> Self {
+    pub(super) fn of(painter: &Painter<'_>) -> Self {
+        let varies = |output| painter.varies(output);
         let wanted = |output: &Output| {
             *output == Output::NORMAL
                 || ![
@@ -249,7 +257,8 @@ impl Planes {
         let outputs = Output::ALL.into_iter().filter(wanted);
         Self {
             outputs: outputs.map(|output| (output, components(output))).collect(),
-            has_coat_normal,
+            has_coat_normal: painter.has_coat_normal(),
+            is_mixed: painter.is_mixed(),
         }
     }
 
@@ -381,20 +390,19 @@ impl Planes {
         }
     }
 
-    /// Alpha means what the opacity needs: nothing where it is 1, a mask where it is 0 or 1.
+    /// Alpha means what the opacity needs: nothing where it is 1, a mask where it is 0 or 1 but for borders.
     fn set_alpha_mode(&self, material: &mut Material, surface: &Material, maps: &Maps) {
         let Some(place) = self.place("opacity") else {
             return;
         };
-        let opacities = || maps.plane(place, 1).map(|texel| texel[0]);
-        let inner = opacities().filter(|o| (0.02..0.98).contains(o)).count();
+        let opacities: Vec<f32> = maps.plane(place, 1).map(|texel| texel[0]).collect();
+        let is_between = |opacity: &f32| (SAME..=1.0 - SAME).contains(opacity);
         material.alpha_mode = match surface.alpha_mode {
-            _ if opacities().all(|o| o > 1.0 - SAME) => AlphaMode::Opaque,
-            AlphaMode::Mask { .. } => AlphaMode::Mask { cutoff: 0.5 },
-            // Some at the edges of a mask are between.
-            _ if inner * 10 < maps.size as usize * maps.size as usize => {
-                AlphaMode::Mask { cutoff: 0.5 }
-            }
+            _ if opacities.iter().all(|&o| o > 1.0 - SAME) => AlphaMode::Opaque,
+            // Each sample lies on one side of the cutoff.
+            AlphaMode::Mask { .. } if !self.is_mixed => AlphaMode::Mask { cutoff: 0.5 },
+            AlphaMode::Blend if opacities.iter().any(is_between) => AlphaMode::Blend,
+            _ if is_cut(&opacities, maps) => AlphaMode::Mask { cutoff: 0.5 },
             _ => AlphaMode::Blend,
         };
         if material.alpha_mode == AlphaMode::Opaque {
@@ -432,16 +440,52 @@ fn constant(material: &Material, key: &str, i: usize) -> f32 {
     }
 }
 
+/// Whether opacities are 0 or 1, but for the borders between both: nine of ten texels that are between lie at one.
+fn is_cut(opacities: &[f32], maps: &Maps) -> bool {
+    let is_between =
+        |texel: &usize| maps.is_shown[*texel] && (NEAR..1.0 - NEAR).contains(&opacities[*texel]);
+    let between: Vec<usize> = (0..opacities.len()).filter(is_between).collect();
+    let borders = (between.par_iter())
+        .filter(|texel| is_border(opacities, maps, **texel))
+        .count();
+    borders * 10 >= between.len() * 9
+}
+
+/// Whether there are both 0 and 1 beside a texel.
+fn is_border(opacities: &[f32], maps: &Maps, texel: usize) -> bool {
+    let side = maps.size as usize;
+    let around = |at: usize| at.saturating_sub(REACH)..(at + REACH + 1).min(side);
+    let (mut has_none, mut has_all) = (false, false);
+    for y in around(texel / side) {
+        for x in around(texel % side) {
+            let beside = y * side + x;
+            if maps.is_shown[beside] {
+                has_none |= opacities[beside] < NEAR;
+                has_all |= opacities[beside] >= 1.0 - NEAR;
+            }
+        }
+    }
+    has_none && has_all
+}
+
 /// Whether all texels are the same in eight bits.
 fn is_flat(image: &BakedImage) -> bool {
+    let stored = |x: f32| match image.role.is_color() {
+        true => encoded(x / image.most),
+        false => x / image.most,
+    };
     let first = image.rgba[0];
-    let is_same =
-        |texel: &[f32; 4]| (0..4).all(|i| (texel[i] - first[i]).abs() < SAME * image.most);
+    let [r, g, b, a] = first;
+    let rgb = [r, g, b].map(stored);
+    let is_same = |texel: &[f32; 4]| {
+        let is_near = |i: usize| texel[i] == first[i] || (stored(texel[i]) - rgb[i]).abs() < SAME;
+        (0..3).all(is_near) && (texel[3] - a).abs() < SAME
+    };
     match image.role {
         Role::Normal | Role::CoatNormal => {
             image.rgba.iter().all(|t| t[0].abs().max(t[1].abs()) < SAME)
         }
-        _ => image.rgba.iter().all(is_same),
+        _ => image.rgba.par_iter().all(is_same),
     }
 }
 

@@ -63,14 +63,18 @@ fn to_linear(x: f32) -> f32 {
     }
 }
 
-/// To sRGB's encoding, eight bits.
-pub(super) fn srgb8(x: f32) -> u8 {
+/// To sRGB's encoding.
+pub(super) fn encoded(x: f32) -> f32 {
     let x = x.clamp(0.0, 1.0);
-    let encoded = match x <= 0.003_130_8 {
+    match x <= 0.003_130_8 {
         true => 12.92 * x,
         false => 1.055 * x.powf(1.0 / 2.4) - 0.055,
-    };
-    linear8(encoded)
+    }
+}
+
+/// To sRGB's encoding, eight bits.
+pub(super) fn srgb8(x: f32) -> u8 {
+    linear8(encoded(x))
 }
 
 /// A number from 0 to 1 in eight bits.

@@ -132,6 +132,8 @@ pub struct Maps {
     values: Vec<f32>,
     /// Components of a texel.
     stride: usize,
+    /// Which texels show something of their own.
+    is_shown: Vec<bool>,
     /// Share of the surface that has no place of its own: another part of it is shown there.
     pub overlap: f32,
 }
@@ -226,9 +228,11 @@ impl<'a> Baker<'a> {
         settings: &BakeSettings,
         progress: Progress<'_>,
     ) -> Result<BakedMaterial, BakeError> {
-        let painter = Painter::new(self.scene, self.procedural, &self.sites, material)?;
-        let planes = gltf::Planes::of(|output| painter.varies(output), painter.has_coat_normal());
         let placed = self.placed(target);
+        let has_colors = !placed.mesh.colors.is_empty();
+        let (scene, sites) = (self.scene, &self.sites);
+        let painter = Painter::new(scene, self.procedural, sites, material, has_colors)?;
+        let planes = gltf::Planes::of(&painter);
         let tables = painter.occlusion;
         let paint = &mut |batch: &Batch<'_>, open: &[f32]| {
             let painted = painter.paint(batch)?;
@@ -240,7 +244,7 @@ impl<'a> Baker<'a> {
             Ok(rows.collect::<Vec<_>>().concat())
         };
         let maps = self.draw(target, settings, planes.stride(), tables, progress, paint)?;
-        let surface = &self.scene.materials[material as usize];
+        let surface = &scene.materials[material as usize];
         Ok(planes.baked(surface, &maps, settings))
     }
 
@@ -287,7 +291,7 @@ impl<'a> Baker<'a> {
         while first < size {
             let end = (first + band).min(size);
             let covered = cover(&drawn, size, grid, first..end);
-            sums.twice += covered.twice;
+            sums.twice = sums.twice.saturating_add(covered.twice);
             for samples in covered.samples.chunks(BATCH) {
                 let done = sums.taken as f32 / (u64::from(size) * row_samples as u64) as f32;
                 if progress(done).is_break() {
@@ -453,7 +457,8 @@ impl Sums {
         Some(Maps {
             size: self.size,
             stride: self.stride,
-            overlap: (self.twice as f64 / (self.taken + self.twice) as f64) as f32,
+            overlap: (self.twice as f64 / (self.taken as f64 + self.twice as f64)) as f32,
+            is_shown,
             values: self.values,
         })
     }

@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use std::sync::Arc;
 
 use device::native::accel::{Flags, Instance, Kernel, Mesh, Ray, Scene as RayScene};
-use glam::Vec3;
+use glam::{Affine3A, Vec3};
 
 use crate::scene::Scene;
 use crate::scene::look::{AoDirection, AoSettings};
@@ -13,7 +13,11 @@ use super::BakeError;
 use super::place::Place;
 
 /// The scene's geometry. Whatever lets light pass occludes as the rest does.
-pub(super) struct Occluders(RayScene);
+pub(super) struct Occluders {
+    scene: RayScene,
+    /// Of its instances.
+    transforms: Vec<Affine3A>,
+}
 
 impl Occluders {
     pub(super) fn new(scene: &Scene) -> Result<Self, BakeError> {
@@ -34,11 +38,11 @@ impl Occluders {
         let meshes = scene.meshes.iter().map(build).collect::<Result<_, _>>()?;
         let instances = scene.instances.iter();
         let placed = instances.map(|instance| Instance::new(instance.transform, instance.mesh));
-        Ok(Self(RayScene::new(
-            meshes,
-            placed.collect(),
-            Kernel::best(),
-        )))
+        let transforms = scene.instances.iter().map(|instance| instance.transform);
+        Ok(Self {
+            scene: RayScene::new(meshes, placed.collect(), Kernel::best()),
+            transforms: transforms.collect(),
+        })
     }
 
     /// 1 where nothing is near, 0 where everything is occluded. `seed` differs from sample to sample.
@@ -52,6 +56,7 @@ impl Occluders {
         let tangent = place.normal.any_orthonormal_vector();
         let across = place.normal.cross(tangent);
         let only = table.same_object.then_some(instance);
+        let coarseness = coarseness(&self.transforms[instance as usize], place.position);
         let mut free = 0;
         for i in 0..table.samples {
             let u = point(i, table.samples, seed);
@@ -69,23 +74,30 @@ impl Occluders {
                 (direction, side) = (-direction, -side);
             }
             let ray = Ray {
-                origin: lifted(place.position, side).to_array(),
+                origin: (place.position + side * coarseness).to_array(),
                 direction: direction.to_array(),
                 t_min: 0.0,
                 t_max: table.distance,
             };
             // What goes under the surface, because the shading normal leans, counts as free.
-            let is_free = direction.dot(side) <= 0.0 || self.0.trace(&ray, true, only).is_none();
+            let is_free =
+                direction.dot(side) <= 0.0 || self.scene.trace(&ray, true, only).is_none();
             free += u32::from(is_free);
         }
         free as f32 / table.samples.max(1) as f32
     }
 }
 
-/// A point above the surface, so far that its own triangle isn't met.
-fn lifted(position: Vec3, side: Vec3) -> Vec3 {
-    let coarse = position.abs().max_element().max(1.0 / 32.0);
-    position + side * (coarse * 2e-5)
+/// How far above the surface a ray has to start so that its own triangle isn't met: by how coarsely numbers of the position's size are
+/// rounded, or those of its mesh, where the node takes them nearly away (as `Surface::coarseness` in `surface.wgsl`).
+fn coarseness(transform: &Affine3A, position: Vec3) -> f32 {
+    let [x, y, z] = transform.matrix3.to_cols_array_2d().map(Vec3::from);
+    let own = transform.inverse().transform_point3(position).abs();
+    let terms = x.abs() * own.x + y.abs() * own.y + z.abs() * own.z;
+    let terms = terms + Vec3::from(transform.translation).abs();
+    let usual = position.abs();
+    let coarse = Vec3::select(terms.cmpgt(4.0 * usual + 1.0), terms, usual);
+    coarse.max_element().max(1.0 / 32.0) * 2e-5
 }
 
 /// Point `i` of `count` in the unit square: Hammersley's, moved by the seed.

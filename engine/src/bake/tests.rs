@@ -8,7 +8,7 @@ use glam::{Affine3A, Vec2, Vec4};
 use super::*;
 use crate::procedural::TextureSources;
 use crate::scene::look::Look;
-use crate::scene::{Image, Instance, Material, Sampler, TextureRef};
+use crate::scene::{AlphaMode, Image, Instance, Material, Sampler, TextureRef, default_camera};
 
 const SETTINGS: BakeSettings = BakeSettings {
     size: 16,
@@ -59,11 +59,40 @@ fn baked(look: &str, textures: &[(&str, &str)], settings: &BakeSettings) -> Bake
 }
 
 fn baked_of(
-    mut scene: Scene,
+    scene: Scene,
     look: &str,
     textures: &[(&str, &str)],
     settings: &BakeSettings,
 ) -> BakedMaterial {
+    with_baker(scene, look, textures, |baker| {
+        let target = Target {
+            instance: 0,
+            layout: &baker.scene.meshes[0],
+            material: Some(0),
+        };
+        let go_on = &mut |_| ControlFlow::Continue(());
+        baker
+            .material(0, &target, settings, go_on)
+            .expect("pictures")
+    })
+}
+
+/// The scene as it is exported.
+fn exported(scene: Scene, look: &str, textures: &[(&str, &str)], settings: &BakeSettings) -> Scene {
+    with_baker(scene, look, textures, |baker| {
+        let camera = default_camera(baker.scene);
+        let go_on = &mut |_| ControlFlow::Continue(());
+        let (scene, _) = baker.scene(&camera, settings, go_on).expect("a scene");
+        scene
+    })
+}
+
+fn with_baker<T>(
+    mut scene: Scene,
+    look: &str,
+    textures: &[(&str, &str)],
+    bake: impl FnOnce(&Baker<'_>) -> T,
+) -> T {
     let mut sources = TextureSources::default();
     for (name, text) in textures {
         sources.insert(name, text);
@@ -73,15 +102,7 @@ fn baked_of(
         Procedural::build(&look, &mut scene, &sources).unwrap_or_else(|e| panic!("{e}"));
     let device = Device::open(&device::DeviceChoice::Native(1)).expect("the processor");
     let baker = Baker::new(&device, &scene, &procedural, Moment::default()).expect("a kernel");
-    let target = Target {
-        instance: 0,
-        layout: &scene.meshes[0],
-        material: Some(0),
-    };
-    let go_on = &mut |_| ControlFlow::Continue(());
-    baker
-        .material(0, &target, settings, go_on)
-        .expect("pictures")
+    bake(&baker)
 }
 
 fn texel(baked: &BakedMaterial, role: Role, x: usize, y: usize) -> [f32; 4] {
@@ -99,6 +120,8 @@ const PLACE: &str = "fn userProc() -> vec3f {
     let p = readAttr(WorldPos).xyz;
     return vec3f(0.5 + 0.5 * readAttr(LocalPos).x, p.y - 1.0, readAttr(TexCoord0).x) * 0.5 + 0.25;
 }";
+
+const ALONG: &str = "fn userProc() -> f32 { return readAttr(TexCoord0).x; }";
 
 #[test]
 fn textures_read_the_place_of_each_texel() {
@@ -126,7 +149,7 @@ fn textures_read_the_place_of_each_texel() {
         1e-6,
     );
     assert_eq!(baked.overlap, 0.0);
-    assert_eq!(baked.material.alpha_mode, crate::scene::AlphaMode::Opaque);
+    assert_eq!(baked.material.alpha_mode, AlphaMode::Opaque);
 }
 
 #[test]
@@ -262,7 +285,7 @@ fn opacity_is_alpha_and_strong_emission_keeps_its_strength() {
     let baked = baked(look, &textures, &SETTINGS);
     assert_eq!(texel(&baked, Role::BaseColor, 2, 2)[3], 0.0);
     assert_eq!(texel(&baked, Role::BaseColor, 12, 2)[3], 1.0);
-    let mask = crate::scene::AlphaMode::Mask { cutoff: 0.5 };
+    let mask = AlphaMode::Mask { cutoff: 0.5 };
     assert_eq!(baked.material.alpha_mode, mask);
     let most = 6.0 * 15.5 / 16.0;
     assert!((baked.material.emission - most).abs().max_element() < 1e-4);
@@ -271,6 +294,102 @@ fn opacity_is_alpha_and_strong_emission_keeps_its_strength() {
         .iter()
         .find(|image| image.role == Role::Emission);
     assert_eq!(image.expect("there is one").eight_bits()[15 * 4], 255);
+}
+
+#[test]
+fn a_small_pane_stays_translucent_and_borders_of_holes_are_cut() {
+    let mode = |opacity: &str| {
+        let scene = square(Material {
+            alpha_mode: AlphaMode::Blend,
+            ..plain()
+        });
+        let text =
+            format!("fn userProc() -> f32 {{ let p = readAttr(TexCoord0).xy; return {opacity}; }}");
+        let look = "[node.o]\ntexture = \"o\"\n[material.M]\nopacity = \"o\"\n";
+        let baked = baked_of(scene, look, &[("o", text.as_str())], &SETTINGS);
+        baked.material.alpha_mode
+    };
+    // A sixteenth of the surface.
+    let pane = "select(1.0f, 0.3f, max(p.x, p.y) < 0.25)";
+    assert_eq!(mode(pane), AlphaMode::Blend);
+    let mask = AlphaMode::Mask { cutoff: 0.5 };
+    assert_eq!(mode("step(0.3, length(p - 0.5))"), mask);
+    // As wide as textures smooth their edges.
+    let soft = "saturate(16.0 * (length(p - 0.5) - 0.3))";
+    assert_eq!(mode(soft), mask);
+    assert_eq!(mode("0.3 + 0.0 * p.x"), AlphaMode::Blend);
+}
+
+#[test]
+fn a_translucent_surface_stays_so_however_few_of_it_are_between() {
+    // Nothing drives the opacity; that of the vertices looks like the border of a mask.
+    let mut scene = square(Material {
+        alpha_mode: AlphaMode::Blend,
+        ..plain()
+    });
+    scene.meshes[0].colors = [-8.0, -8.0, 8.0, 8.0]
+        .map(|alpha| Vec4::new(1.0, 1.0, 1.0, alpha + 0.5))
+        .into();
+    let textures = [("u", ALONG)];
+    let look = "[node.u]\ntexture = \"u\"\n[material.M]\nroughness = \"u\"\n";
+    let baked = baked_of(scene, look, &textures, &SETTINGS);
+    assert_eq!(baked.material.alpha_mode, AlphaMode::Blend);
+    assert_eq!(texel(&baked, Role::BaseColor, 2, 5)[3], 0.0);
+    assert_eq!(texel(&baked, Role::BaseColor, 12, 5)[3], 1.0);
+}
+
+#[test]
+fn colours_of_vertices_are_in_the_base_colour() {
+    let mut scene = square(plain());
+    scene.meshes[0].colors = [0.0, 0.0, 1.0, 1.0]
+        .map(|blue| Vec4::new(1.0, 0.1, blue, 1.0))
+        .into();
+    let textures = [("u", ALONG)];
+    let look = "[node.u]\ntexture = \"u\"\n[material.M]\nroughness = \"u\"\n";
+    let flat = BakeSettings {
+        keeps_flat: false,
+        ..SETTINGS
+    };
+    let baked = baked_of(scene.clone(), look, &textures, &flat);
+    let wanted = [1.0, 0.1, 3.5 / 16.0, 1.0];
+    near(texel(&baked, Role::BaseColor, 3, 9), wanted, 1e-5);
+    assert_eq!(baked.material.alpha_mode, AlphaMode::Opaque);
+
+    // A colour that all have is a number, in exports as well, whose meshes are white where pictures lie on them.
+    scene.meshes[0].colors = vec![Vec4::new(1.0, 0.1, 0.2, 1.0); 4];
+    let scene = exported(scene, look, &textures, &flat);
+    let mesh = &scene.meshes[scene.instances[0].mesh as usize];
+    assert!(mesh.colors.iter().all(|&color| color == Vec4::ONE));
+    let material = &scene.materials[mesh.triangle_materials[0] as usize];
+    let color = material.base_color.to_array();
+    near(color, [1.0, 0.1, 0.2, 1.0], 1e-5);
+    assert!(material.base_color_texture.is_none());
+    assert!(material.metallic_roughness_texture.is_some());
+}
+
+#[test]
+fn dark_colours_that_differ_as_they_are_stored_have_a_picture() {
+    let flat = BakeSettings {
+        keeps_flat: false,
+        ..SETTINGS
+    };
+    let roles = |color: &str| {
+        let text = format!(
+            "fn userProc() -> vec3f {{ return vec3f({color} * step(0.5, readAttr(TexCoord0).x)); }}"
+        );
+        let look = "[node.dark]\ntexture = \"dark\"\n[material.M]\nbase_color = \"dark\"\n";
+        let baked = baked(look, &[("dark", text.as_str())], &flat);
+        let images = baked.images.iter();
+        images
+            .map(|image| (image.role, image.eight_bits()))
+            .collect::<Vec<_>>()
+    };
+    let dark = roles("0.0019");
+    let [(Role::BaseColor, bytes)] = &dark[..] else {
+        panic!("the base colour has a picture, and nothing else");
+    };
+    assert_eq!((bytes[0], bytes[15 * 4]), (0, 6));
+    assert!(roles("0.0001").is_empty());
 }
 
 #[test]

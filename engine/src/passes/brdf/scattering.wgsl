@@ -18,8 +18,8 @@ fn ray_origins(v: Vertex, b: Bsdf) -> RayOrigins {
     let is_opaque = !has_transmission || (b.transmission <= 0.0 && b.diffuse_transmission <= 0.0);
     let lift = select(vec3f(0.0), s.lift, is_opaque);
     let is_lifted = dot(lift, lift) > 1e-12 * dot(s.position, s.position);
-    let below = offset_origin(s.position, -s.geometric_normal);
-    let above = offset_origin(s.position + lift, s.geometric_normal);
+    let below = offset_origin(s.position, -s.geometric_normal, s.coarseness);
+    let above = offset_origin(s.position + lift, s.geometric_normal, s.coarseness);
     return RayOrigins(is_opaque, lift, is_lifted, above, below);
 }
 

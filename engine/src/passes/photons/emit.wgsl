@@ -145,5 +145,5 @@ fn photon_emit(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups)
         flux *= material_coverage(own, s.triangle, s.weights);
     }
     flux *= saturate(scalar_or(slot, driven, OUTPUT_OPACITY, 1.0));
-    send_photon(slot, Aim(offset_origin(s.position, s.geometric_normal), s.wo, 1.0), flux, 0.0);
+    send_photon(slot, Aim(offset_origin(s.position, s.geometric_normal, s.coarseness), s.wo, 1.0), flux, 0.0);
 }

@@ -47,6 +47,12 @@ fn transform_point(rows: array<vec4f, 3>, p: vec3f) -> vec3f {
     return vec3f(dot(rows[0], q), dot(rows[1], q), dot(rows[2], q));
 }
 
+// The sizes of what is added up for a point: it is rounded by so much.
+fn transform_terms(rows: array<vec4f, 3>, p: vec3f) -> vec3f {
+    let q = vec4f(abs(p), 1.0);
+    return vec3f(dot(abs(rows[0]), q), dot(abs(rows[1]), q), dot(abs(rows[2]), q));
+}
+
 fn transform_vector(rows: array<vec4f, 3>, v: vec3f) -> vec3f {
     return vec3f(dot(rows[0].xyz, v), dot(rows[1].xyz, v), dot(rows[2].xyz, v));
 }

@@ -6,6 +6,7 @@
 // What the rays of one AO table at a surface have in common.
 struct OcclusionSite {
     position: vec3f,
+    coarseness: f32, // of the position, as `Surface` has it
     geometric_normal: vec3f,
     normal: vec3f, // around which the rays lie
     tangent: vec3f,
@@ -20,7 +21,7 @@ struct OcclusionSite {
 fn occlusion_site(s: Surface, instance: u32, path: PathId, purpose: u32, index: u32) -> OcclusionSite {
     let table = ao_tables[index];
     let tangent = any_perpendicular(s.shading_normal);
-    return OcclusionSite(s.position, s.geometric_normal, s.shading_normal, tangent, cross(s.shading_normal, tangent), table,
+    return OcclusionSite(s.position, s.coarseness, s.geometric_normal, s.shading_normal, tangent, cross(s.shading_normal, tangent), table,
         select(MISS, instance, table.same_object != 0u), path.sample * table.samples,
         hash2(path.key, purpose + index));
 }
@@ -44,7 +45,7 @@ fn occlusion_ray(at: OcclusionSite, sample: u32) -> OcclusionRay {
         direction = -direction;
         normal = -normal;
     }
-    return OcclusionRay(offset_origin(at.position, normal), direction, dot(direction, normal) <= 0.0);
+    return OcclusionRay(offset_origin(at.position, normal, at.coarseness), direction, dot(direction, normal) <= 0.0);
 }
 
 struct Occlusion {

@@ -14,6 +14,9 @@ struct Surface {
     // stopped by the coarseness of the mesh (Hanika, "Hacking the Shadow Terminator", Ray Tracing Gems II, 2021, chapter 4). Zero where the
     // surface is flat or hollow.
     lift: vec3f,
+    // How far rays start from the surface beyond what `position` itself asks for: zero unless the node takes large coordinates of its mesh
+    // nearly away, as in models that were moved to the origin. Both the position and the rays in the mesh are rounded as these are.
+    coarseness: f32,
 }
 
 // A vertex's share of the lift of a point; `normal` is on the viewer's side.
@@ -34,6 +37,8 @@ fn surface_at(hit: RayHit) -> Surface {
     let edge2 = bitcast<vec3f>(vc.xyz) - a;
     let inside = edge1 * weights.y + edge2 * weights.z; // from the first vertex
     let position = transform_point(world_from_object, a + inside);
+    let terms = transform_terms(world_from_object, a + inside);
+    let coarse = select(vec3f(0.0), terms, terms > 4.0 * abs(position) + 1.0);
     // The transform's determinant defines the winding (glTF 2.0, section 3.7.4): a normal moved by the inverse
     // transpose stays on the side that it was on.
     let world_cross = cross(transform_vector(world_from_object, edge1), transform_vector(world_from_object, edge2))
@@ -60,7 +65,8 @@ fn surface_at(hit: RayHit) -> Surface {
         geometric = -geometric;
         shading = -shading;
     }
-    return Surface(position, wo, geometric, shading, weights, triangle, front, area_scale, lift);
+    return Surface(position, wo, geometric, shading, weights, triangle, front, area_scale, lift,
+        max_component(coarse) / 65536.0);
 }
 
 // Along the first texture coordinates of a triangle, in the object and of any length, and the handedness of the bitangent, as

@@ -1,11 +1,13 @@
 //! White furnaces: where light comes from everywhere, a surface that loses none can't be seen.
 
-use engine::scene::{Projection, Scene};
-use glam::{Vec2, Vec3};
+use engine::scene::{Material, Projection, Scene};
+use glam::{Affine3A, Vec2, Vec3};
 
 use super::assert_shows;
 use crate::support::device;
-use crate::support::scenes::{Shot, camera, faceted_sphere, lambert, quad, render, scene};
+use crate::support::scenes::{
+    Shot, camera, faceted_sphere, from_above, lambert, quad, render, scene,
+};
 
 /// A sphere that fills the picture up to where its surface leans by 81 degrees at the corners.
 fn sphere(device: &::device::Device, albedo: Vec3, max_depth: u32) -> engine::film::Film {
@@ -77,5 +79,40 @@ fn a_glowing_room_sums_the_series_of_its_bounces() {
         let sum: f32 = (0..=max_depth).map(|n| albedo.powi(n as i32)).sum();
         let name = format!("glowing room, albedo {albedo}, depth {max_depth}");
         assert_shows(&name, &film, |_: Vec2| Vec3::splat(sum));
+    }
+}
+
+/// As models have it that were surveyed, and whose nodes take them to the origin: their coordinates are rounded to a tenth of a
+/// millimetre, in which a ray must not meet the surface that it leaves.
+#[test]
+fn surfaces_whose_nodes_take_large_coordinates_away_do_not_shadow_themselves() {
+    let Some(device) = device::open() else { return };
+    let shot = Shot {
+        size: (16, 16),
+        max_depth: 2,
+        spp: 16,
+    };
+    let mean = |away: Vec3| {
+        let corner = Vec3::new(-2.0, -0.7, 2.0);
+        let mut plane = quad(corner, Vec3::new(4.0, 1.3, 0.4), Vec3::new(0.3, 0.9, -4.0));
+        for position in &mut plane.positions {
+            *position += away;
+        }
+        let material = Material {
+            double_sided: true,
+            ..lambert(Vec3::splat(0.5))
+        };
+        let mut scene = scene([(plane, material)], Vec3::ONE);
+        scene.instances[0].transform = Affine3A::from_translation(-away);
+        let film = render(&device, &mut scene, &from_above(5.0, 0.8), shot);
+        let pixels = film.mean();
+        let sum: f64 = pixels.iter().map(|rgb| f64::from(rgb[0])).sum();
+        sum / pixels.len() as f64
+    };
+    let near = mean(Vec3::ZERO);
+    assert!((near - 0.5).abs() < 0.01, "{near}");
+    for distance in [100.0, 1e3, 1e4] {
+        let far = mean(distance * Vec3::new(1.0, 0.37, 0.61));
+        assert!((far / near - 1.0).abs() < 2e-3, "{far} at {distance} m");
     }
 }
