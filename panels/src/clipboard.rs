@@ -1,34 +1,116 @@
-//! Nodes as text, for the clipboard: tables of a look, so that they go from one look to another, and can be written by hand.
+//! Nodes as text, for the clipboard: tables of a look, so that they go from one look to another, and can be written by hand. The AO
+//! tables that they name go with them.
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use engine::scene::look::{Section, Value, link_text};
-use engine::session::{Document, Edit};
+use engine::scene::look::{AoLook, AoSettings, NodeLook, Section, Spanned, Value, link_text};
+use engine::session::{Document, Edit, summary};
 
-use crate::edits::{free_name, link};
+use crate::edits::{free_name, link, numbered};
 use crate::textures::Textures;
 
-/// The tables of some nodes.
-pub(crate) fn copied(document: &Document, nodes: &[String]) -> String {
-    let mut copy = match Document::new(Path::new(""), "") {
-        Ok(copy) => copy,
-        // Nothing is a look.
-        Err(_) => return String::new(),
-    };
-    for node in nodes {
-        let section = || Section::Node(node.clone());
-        let fields = document.table(&section()).into_iter();
-        let edits: Vec<Edit> = fields
-            .map(|field| Edit::set(section(), &field.key.value, field.value.value))
-            .collect();
-        // As it stood in a look, it can stand in another one.
-        let _ = copy.apply("copy", &edits, None);
-    }
-    copy.text().to_owned()
+/// The keys by which a node names AO tables.
+const OCCLUSION: [&str; 2] = ["occlusion", "occlusion1"];
+
+/// What is in the clipboard then.
+#[derive(Debug, Default)]
+pub(crate) struct Copied {
+    /// The tables.
+    pub(crate) text: String,
+    /// The nodes whose tables these are.
+    pub(crate) nodes: Vec<String>,
+    /// Why others are missing, if there are such.
+    pub(crate) refused: Option<String>,
 }
 
-/// The nodes of a text, under names that are free here, with links among them, and to nodes of their names that there are here.
+/// The tables of some nodes.
+pub(crate) fn copied(document: &Document, nodes: &[String]) -> Copied {
+    let mut copied = Copied::default();
+    let mut copy = match Document::new(Path::new(""), "") {
+        Ok(copy) => copy,
+        Err(problems) => {
+            copied.refused = Some(summary(&problems));
+            return copied;
+        }
+    };
+    let all = |section: Section| {
+        let fields = document.table(&section).into_iter();
+        fields.map(move |field| Edit::set(section.clone(), &field.key.value, field.value.value))
+    };
+    for node in nodes {
+        let mut tables = document.look().nodes.iter();
+        let table = tables.find(|table| table.name.value == *node);
+        let ao = table.into_iter().flat_map(ao_of);
+        let ao = ao.map(|name| Section::Ao(name.value.clone()));
+        let tables = ao.chain([Section::Node(node.clone())]);
+        let edits: Vec<Edit> = tables.flat_map(all).collect();
+        match copy.apply("copy", &edits, None) {
+            Ok(()) => copied.nodes.push(node.clone()),
+            Err(why) => copied.refused = Some(format!("{node} can't be copied: {why}")),
+        }
+    }
+    copied.text = copy.text().to_owned();
+    copied
+}
+
+/// The AO tables that a node names.
+fn ao_of(node: &NodeLook) -> impl Iterator<Item = &Spanned<String>> {
+    [&node.occlusion, &node.occlusion1].into_iter().flatten()
+}
+
+/// How an AO table is traced, and what of that has keys.
+fn traced(document: &Document, table: &AoLook) -> (AoSettings, Value) {
+    let mut keyed = document.table(&Section::Ao(table.name.value.clone()));
+    keyed.retain(|field| matches!(field.value.value, Value::Table(_)));
+    (table.settings, Value::Table(keyed))
+}
+
+/// What the AO tables that nodes of `source` name are called here, by their names there; and edits that add those that are missing.
+fn pasted_ao(document: &Document, source: &Document) -> (BTreeMap<String, String>, Vec<Edit>) {
+    let mut names: BTreeMap<String, String> = BTreeMap::new();
+    let mut edits = Vec::new();
+    let here = &document.look().ao;
+    let there = source.look();
+    for table in &there.ao {
+        let name = &table.name.value;
+        let mut named = there.nodes.iter().flat_map(ao_of);
+        if !named.any(|other| other.value == *name) {
+            continue;
+        }
+        let (settings, keyed) = traced(source, table);
+        let is_same = |other: &&AoLook| {
+            let (others, others_keyed) = traced(document, other);
+            others == settings && others_keyed.is_same(&keyed)
+        };
+        let namesake = here.iter().find(|other| other.name.value == *name);
+        let same = match namesake {
+            None => None,
+            Some(namesake) if is_same(&namesake) => Some(namesake),
+            Some(_) => here.iter().find(is_same),
+        };
+        let called = match same {
+            Some(same) => same.name.value.clone(),
+            None => {
+                let is_taken = |wanted: &str| {
+                    let is_here = here.iter().any(|other| other.name.value == wanted);
+                    is_here || names.values().any(|taken| taken == wanted)
+                };
+                let new = numbered(name, is_taken);
+                for field in source.table(&Section::Ao(name.clone())) {
+                    let section = Section::Ao(new.clone());
+                    edits.push(Edit::set(section, &field.key.value, field.value.value));
+                }
+                new
+            }
+        };
+        names.insert(name.clone(), called);
+    }
+    (names, edits)
+}
+
+/// The nodes of a text, under names that are free here, with links among them, and to nodes of their names that there are here. Their AO
+/// tables are those of here that say the same, or come along.
 ///
 /// # Errors
 /// It is none of a look, or has no nodes: says so.
@@ -51,7 +133,7 @@ pub(crate) fn pasted(
         names.insert(&node.name.value, name);
     }
     let is_here = |name: &str| document.look().nodes.iter().any(|n| n.name.value == name);
-    let mut edits = Vec::new();
+    let (ao, mut edits) = pasted_ao(document, &source);
     for node in nodes {
         let texture = textures.library.get(&node.texture.value);
         let texture = texture
@@ -62,6 +144,9 @@ pub(crate) fn pasted(
             let parameter = texture.parameters().iter().find(|p| p.name == *key);
             let can_link = parameter.is_some_and(|p| p.ty.is_linkable());
             let value = match (&field.value.value, can_link) {
+                (Value::Text(table), _) if OCCLUSION.contains(&key.as_str()) => {
+                    Value::Text(ao.get(table).unwrap_or(table).clone())
+                }
                 (Value::Text(text), true) => match link_text(text) {
                     Ok(wire) => match names.get(&*wire.node) {
                         Some(name) => Value::Text(link(name, wire.swizzle)),
@@ -100,7 +185,7 @@ mod tests {
     #[test]
     fn nodes_go_from_look_to_look() {
         let from = look(LOOK);
-        let text = copied(&from, &["noise".to_owned(), "mix".to_owned()]);
+        let text = copied(&from, &["noise".to_owned(), "mix".to_owned()]).text;
         assert!(text.contains("a = \"#102030\""), "{text}");
         let mut to = look("[node.noise]\ntexture = \"fbm\"\n");
         let (names, edits) = pasted(&to, &textures(), &text).expect("they are nodes");
@@ -115,6 +200,40 @@ mod tests {
         back.apply("paste", &edits, None).expect("they fit");
         assert_eq!(names, ["noise_2", "mix_2"]);
         assert_eq!(back.text().matches("b = \"other\"").count(), 2);
+    }
+
+    #[test]
+    fn ambient_occlusion_goes_along() {
+        const AO: &str = "[ao.near]\ndistance = 0.5\n\n[ao.far]\ndistance = 4.0\n\n[node.rust]\ntexture = \"rust_mask\"\nocclusion = \"near\"\n\n[node.noise]\ntexture = \"fbm\"\n";
+        let (from, textures) = (look(AO), textures());
+        let nodes = ["noise".to_owned(), "rust".to_owned()];
+        let copied = copied(&from, &nodes);
+        assert_eq!((&copied.nodes[..], copied.refused), (&nodes[..], None));
+        assert!(!copied.text.contains("far"), "{}", copied.text);
+        let paste = |to: &mut Document| {
+            let (_, edits) = pasted(to, &textures, &copied.text).expect("they are nodes");
+            to.apply("paste", &edits, None).expect("they fit");
+            to.text().to_owned()
+        };
+        // It is missing, then it is there already.
+        let mut to = look("");
+        let first = paste(&mut to);
+        assert!(first.contains("[ao.near]\ndistance = 0.5"), "{first}");
+        assert!(first.contains("occlusion = \"near\""), "{first}");
+        let second = paste(&mut to);
+        assert_eq!(second.matches("[ao.").count(), 1, "{second}");
+        assert_eq!(second.matches("occlusion = \"near\"").count(), 2);
+        // Another one is called so.
+        let mut to = look("[ao.near]\ndistance = 2.0\n");
+        let first = paste(&mut to);
+        assert!(first.contains("[ao.near_2]\ndistance = 0.5"), "{first}");
+        assert!(first.contains("occlusion = \"near_2\""), "{first}");
+        let second = paste(&mut to);
+        assert_eq!(second.matches("[ao.").count(), 2, "{second}");
+        // What has other keys is another one.
+        let mut to = look("[ao.near]\ndistance = { keys = [[0.0, 0.5], [1.0, 2.0]] }\n");
+        let text = paste(&mut to);
+        assert!(text.contains("[ao.near_2]"), "{text}");
     }
 
     #[test]

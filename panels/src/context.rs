@@ -26,7 +26,7 @@ pub(crate) fn material_names(document: &Document, scene: SceneView<'_>) -> Vec<S
 }
 
 /// Materials of the scene's files.
-fn own_names<'a>(scene: SceneView<'a>) -> impl Iterator<Item = &'a str> + use<'a> {
+pub(crate) fn own_names<'a>(scene: SceneView<'a>) -> impl Iterator<Item = &'a str> + use<'a> {
     let own = scene.materials.iter().take(scene.own);
     own.map(|material| material.name.as_str())
 }

@@ -202,15 +202,20 @@ pub(crate) fn free_name(document: &Document, wanted: &str, taken: &[String]) -> 
         let nodes = &document.look().nodes;
         nodes.iter().any(|node| node.name.value == name) || taken.iter().any(|t| t == name)
     };
-    if !is_taken(&wanted) && !wanted.is_empty() {
-        return wanted;
+    numbered(&wanted, is_taken)
+}
+
+/// A name that isn't taken: `wanted`, or with a number behind it.
+pub(crate) fn numbered(wanted: &str, is_taken: impl Fn(&str) -> bool) -> String {
+    if !is_taken(wanted) && !wanted.is_empty() {
+        return wanted.to_owned();
     }
     // `rust_2` is followed by `rust_3`, not by `rust_2_2`.
     let stem = match wanted.rsplit_once('_') {
         Some((stem, number)) if number.parse::<u32>().is_ok() && !stem.is_empty() => stem,
-        _ => &wanted,
+        _ => wanted,
     };
     let numbered = (2..).map(|number| format!("{stem}_{number}"));
     let free = numbered.into_iter().find(|name| !is_taken(name));
-    free.expect("there are more numbers than nodes")
+    free.expect("there are more numbers than names")
 }

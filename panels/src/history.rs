@@ -1,5 +1,7 @@
 //! What has been done to the look: a list to go back and forth in, and three states of the look that are kept aside.
 
+use std::collections::BTreeSet;
+
 use egui::{RichText, ScrollArea, Ui};
 use engine::session::Document;
 
@@ -36,10 +38,27 @@ pub(crate) fn history(ui: &mut Ui, document: &mut Document) -> bool {
     wanted.is_some_and(|done| document.go_to(done))
 }
 
-/// States of a look that are kept aside, as its text.
+/// A state of a look that is kept aside.
+#[derive(Debug)]
+struct Snapshot {
+    text: String,
+    /// What it has of other programs: see [`Document::others`].
+    others: BTreeSet<u64>,
+}
+
+impl Snapshot {
+    fn of(document: &Document) -> Self {
+        Self {
+            text: document.text().to_owned(),
+            others: document.others().clone(),
+        }
+    }
+}
+
+/// States of a look that are kept aside.
 #[derive(Debug, Default)]
 pub(crate) struct Snapshots {
-    kept: [Option<String>; 3],
+    kept: [Option<Snapshot>; 3],
     /// The picture of now is to be compared with that of the state that was switched to.
     pub(crate) compares: bool,
 }
@@ -50,7 +69,7 @@ impl Snapshots {
     pub(crate) fn show(&mut self, ui: &mut Ui, document: &mut Document) -> Option<String> {
         let mut refused = None;
         for (name, kept) in NAMES.into_iter().zip(&mut self.kept) {
-            let is_shown = kept.as_deref() == Some(document.text());
+            let is_shown = (kept.as_ref()).is_some_and(|kept| kept.text == document.text());
             let text = match kept {
                 Some(_) => RichText::new(name).strong(),
                 None => RichText::new(name).weak(),
@@ -61,7 +80,7 @@ impl Snapshots {
             let mut is_compared = false;
             let was_kept = kept.is_some();
             if is_clicked && !was_kept {
-                *kept = Some(document.text().to_owned());
+                *kept = Some(Snapshot::of(document));
             }
             let hint = match kept {
                 Some(_) => format!("shows the look as it was kept as {name}; right-click for more"),
@@ -79,7 +98,7 @@ impl Snapshots {
                     .button(format!("Keep the look of now as {name}"))
                     .clicked()
                 {
-                    *kept = Some(document.text().to_owned());
+                    *kept = Some(Snapshot::of(document));
                     ui.close();
                 }
                 let forget = egui::Button::new(format!("Forget {name}"));
@@ -88,10 +107,11 @@ impl Snapshots {
                     ui.close();
                 }
             });
-            if let Some(text) = kept
+            if let Some(Snapshot { text, others }) = kept
                 && (is_compared || is_clicked && was_kept)
             {
-                let replaced = document.replace(&format!("snapshot {name}"), text);
+                let label = format!("snapshot {name}");
+                let replaced = document.return_to(&label, text, others);
                 self.compares |= is_compared && replaced.is_ok();
                 refused = replaced.err().map(|problems| problems.to_string());
             }

@@ -4,8 +4,11 @@ use egui::{Response, Stroke, StrokeKind, Ui};
 use engine::scene::look::{Field, Section, Spanned, Value};
 use engine::session::{Document, Edit};
 
-use crate::context::Context;
-use crate::edits::free_name;
+use crate::Textures;
+use crate::context::{Context, own_names};
+use crate::edits::{free_name, remove_unused};
+use crate::model::Model;
+use crate::scene_view::SceneView;
 
 /// What a picture can be of a material.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -89,13 +92,41 @@ impl PictureUse {
 pub struct DraggedMaterial(pub String);
 
 /// Makes all that has the material `target` look like `material`: a blend that shows nothing else.
-pub fn give_material(target: &str, material: &str) -> Vec<Edit> {
+///
+/// # Errors
+/// `target` is a part of `material` already, so that it would be blended of itself.
+pub fn give_material(
+    document: &Document,
+    textures: &Textures,
+    scene: SceneView<'_>,
+    target: &str,
+    material: &str,
+) -> Result<Vec<Edit>, String> {
+    let model = Model::new(document, &textures.library);
+    let is_own = |name: &str| own_names(scene).any(|own| own == name);
+    given(document, &model, is_own, [target, material])
+}
+
+/// The same with what is known of the look. `is_own` tells the materials of the scene's files.
+fn given(
+    document: &Document,
+    model: &Model,
+    is_own: impl Fn(&str) -> bool,
+    [target, material]: [&str; 2],
+) -> Result<Vec<Edit>, String> {
+    if model.is_made_of(material, target) {
+        return Err(format!("`{material}` is made of `{target}` already"));
+    }
     let text = |text: &str| Value::Text(text.to_owned());
-    vec![
+    let mut edits = vec![
         Edit::material(target, "blend.base", text(target)),
         Edit::material(target, "blend.over", text(material)),
         Edit::material(target, "blend.mask", Value::number(1.0)),
-    ]
+    ];
+    // What the former blend was of may have no other one.
+    let sides = [target, material];
+    edits.extend(remove_unused(document, model, is_own, target, &sides));
+    Ok(edits)
 }
 
 /// A material that is dropped on something of another one is given to that.
@@ -116,17 +147,16 @@ pub(crate) fn take_material(ui: &Ui, cx: &mut Context<'_>, target: &str, place: 
         return;
     }
     let material = &dragged.0;
-    // A material of which this one is a part would close a circle.
-    let edits = match cx.model.is_made_of(material, target) {
-        true => Err(format!("`{material}` is made of `{target}` already")),
-        false => Ok(give_material(target, material)),
-    };
+    let is_own = |name: &str| cx.is_own(name);
+    let edits = given(cx.document, cx.model, is_own, [target, material]);
     cx.edit_if(&format!("{material} on {target}"), edits);
 }
 
 #[cfg(test)]
 mod tests {
     use std::path::Path;
+
+    use engine::scene::Material;
 
     use super::*;
 
@@ -149,16 +179,59 @@ mod tests {
         }
     }
 
+    /// What comes of a material that is dropped on another one, of a scene that has Iron and Steel.
+    fn dropped(look: &str, target: &str, material: &str) -> Result<String, String> {
+        let mut document = Document::new(Path::new("a.look.toml"), look).expect("a look");
+        let materials = ["Iron", "Steel"].map(|name| Material {
+            name: name.to_owned(),
+            ..Material::default()
+        });
+        let scene = SceneView {
+            materials: &materials,
+            own: materials.len(),
+            images: &[],
+            lights: &[],
+            camera: None,
+        };
+        let edits = give_material(&document, &Textures::default(), scene, target, material)?;
+        document.apply("give", &edits, None)?;
+        Ok(document.text().to_owned())
+    }
+
     #[test]
     fn a_material_is_given() {
-        let look = "[material.Gold]\nmetallic = 1.0\n";
-        let mut document = Document::new(Path::new("a.look.toml"), look).expect("a look");
-        let edits = give_material("Iron", "Gold");
-        document.apply("give", &edits, None).expect("it fits");
-        assert!(
-            document.text().contains("mask = 1.0"),
-            "{}",
-            document.text()
+        let text = dropped("[material.Steel]\nmetallic = 1.0\n", "Iron", "Steel");
+        let text = text.expect("it fits");
+        let blend = "blend = { base = \"Iron\", over = \"Steel\", mask = 1.0 }";
+        assert!(text.contains(blend), "{text}");
+    }
+
+    #[test]
+    fn a_material_that_nothing_is_blended_of_any_more_goes() {
+        let look = "[material.Iron]\nblend = { base = 'Iron', over = 'Rust', mask = 0.5 }\n\n\
+                    [material.Rust]\nblend = { base = 'Rust', over = 'Dust', mask = 0.5 }\n\n\
+                    [material.Dust]\nroughness = 1.0\n";
+        let text = dropped(look, "Iron", "Steel").expect("it fits");
+        assert!(!text.contains("Rust") && !text.contains("Dust"), "{text}");
+        // What is dropped stays.
+        let text = dropped(look, "Iron", "Dust").expect("it fits");
+        assert!(!text.contains("Rust"), "{text}");
+        assert!(text.contains("[material.Dust]"), "{text}");
+        // Another blend has it.
+        let both = format!(
+            "{look}\n[material.Steel]\nblend = {{ base = 'Steel', over = 'Rust', mask = 0.5 }}\n"
         );
+        let text = dropped(&both, "Iron", "Steel").expect("it fits");
+        assert!(text.contains("[material.Rust]"), "{text}");
+    }
+
+    #[test]
+    fn a_material_is_no_part_of_itself() {
+        let look = "[material.Iron]\nblend = { base = 'Iron', over = 'Rust', mask = 0.5 }\n\n\
+                    [material.Rust]\nblend = { base = 'Rust', over = 'Steel', mask = 0.5 }\n";
+        for (target, material) in [("Steel", "Iron"), ("Rust", "Iron"), ("Steel", "Rust")] {
+            let why = dropped(look, target, material).expect_err("a circle");
+            assert!(why.contains(target) && why.contains(material), "{why}");
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! A mix of lights written into the look: what its faders do to what is shown, its lights do to what is rendered.
 
-use engine::scene::look::{EnvironmentLook, LightLook, MaterialLook, Section, Value};
+use engine::scene::look::{EnvironmentLook, Field, LightLook, MaterialLook, Section, Value};
 use engine::scene::{Material, UNGROUPED};
 use engine::session::{Document, Edit};
 use glam::Vec3;
@@ -33,6 +33,9 @@ pub fn relight(
         return Err("the studio light is no part of the look".to_owned());
     }
     let look = document.look();
+    let environment_group = look.environment_group.as_ref();
+    let environment_group = environment_group.map(|group| group.value.as_str());
+    let environment_factor = factor(environment_group);
     let mut edits = Vec::new();
     let mut names: Vec<&str> = Vec::new();
     let given = scene.lights.iter().map(|light| light.name.as_str());
@@ -42,15 +45,26 @@ pub fn relight(
         }
         names.push(name);
         let table = look.lights.iter().find(|light| light.name.value == name);
-        let is_off = table.is_some_and(|table| table.on == Some(false));
-        if is_off || is_of_sky(document, name, table) {
+        if table.is_some_and(|table| table.on == Some(false)) {
             continue;
         }
-        let group = table.and_then(|light| light.group.as_ref());
-        let factor = factor(group.map(|group| group.value.as_str()));
-        if factor != Vec3::ONE {
-            edits.extend(light(scene, name, table, factor));
+        let is_of_sky = is_of_sky(document, name, table);
+        let group = table.and_then(|table| table.group.as_ref());
+        let group = group.map(|group| group.value.as_str());
+        let factor = factor(group.or(environment_group.filter(|_| is_of_sky)));
+        // The sun is as bright as its sky, unless the look says otherwise.
+        let is_carried = is_of_sky && table.is_none_or(|table| table.intensity.is_none());
+        let by_sky = match is_carried {
+            true => environment_factor,
+            false => Vec3::ONE,
+        };
+        if factor == by_sky {
+            continue;
         }
+        if is_carried && sky_has_keys(document) {
+            return Err("the sky has keys: its sun can't be mixed apart from it".to_owned());
+        }
+        edits.extend(light(document, scene, name, table, factor)?);
     }
     for material in scene.materials {
         let name = material.name.as_str();
@@ -61,7 +75,13 @@ pub fn relight(
         let table = (look.materials.iter()).find(|table| table.name.value == name);
         let group = table.and_then(|table| table.group.as_ref());
         let is_driven = table.is_some_and(|table| table.is_driven("emission"));
-        let glows = is_driven || material.emission != Vec3::ZERO;
+        let section = Section::Material(name.to_owned());
+        // At another moment it may glow.
+        let is_keyed = |key: &str| table.is_some() && has_keys(document, &section, key);
+        let glows = is_driven
+            || material.emission != Vec3::ZERO
+            || is_keyed("emission")
+            || is_keyed("emission_strength");
         let factor = factor(group.map(|group| group.value.as_str()));
         if is_lamp && table.is_none_or(|table| table.input("emission").is_none()) {
             continue;
@@ -72,14 +92,20 @@ pub fn relight(
         if is_lamp {
             return Err(format!("the look has a material for what {name} emits"));
         }
-        edits.extend(emission(material, table, factor)?);
+        edits.extend(emission(document, material, table, factor)?);
     }
-    let group = look.environment_group.as_ref();
-    let factor = factor(group.map(|group| group.value.as_str()));
     if let Some(environment) = &look.environment
-        && factor != Vec3::ONE
+        && environment_factor != Vec3::ONE
     {
-        edits.extend(self::environment(document, &environment.value, factor)?);
+        let is_dark = environment_factor.max_element() <= 0.0;
+        if is_dark && needs_sun(document, &edits) {
+            return Err(
+                "a sky without light has no sun, and the look has a table of that: it can be dimmed but not turned off"
+                    .to_owned(),
+            );
+        }
+        let value = &environment.value;
+        edits.extend(self::environment(document, value, environment_factor)?);
     }
     match edits.is_empty() {
         true => Err("nothing that shines is in a group that is mixed".to_owned()),
@@ -87,11 +113,37 @@ pub fn relight(
     }
 }
 
-/// The sun of a sky is as bright as that, unless the look says otherwise.
+/// Whether a light is the sun that the look's sky brings with it.
 fn is_of_sky(document: &Document, name: &str, table: Option<&LightLook>) -> bool {
     let environment = document.look().environment.as_ref();
-    let is_sky = environment.is_some_and(|e| matches!(e.value, EnvironmentLook::Sky(_)));
-    is_sky && name == SUN && table.is_none_or(|table| table.intensity.is_none())
+    let brings_sun =
+        environment.is_some_and(|e| matches!(&e.value, EnvironmentLook::Sky(sky) if sky.sun));
+    brings_sun && name == SUN && table.is_none_or(|table| table.kind.is_none())
+}
+
+/// Whether the look says something of its sky's sun once some edits are made: it has to be there then.
+fn needs_sun(document: &Document, edits: &[Edit]) -> bool {
+    let sun = Section::Light(SUN.to_owned());
+    let mut tables = document.look().lights.iter();
+    let table = tables.find(|table| table.name.value == SUN);
+    let is_said = table.is_some() || edits.iter().any(|edit| *edit.section() == sun);
+    is_said && is_of_sky(document, SUN, table)
+}
+
+/// Whether a value changes with time: a constant would take its keys away.
+fn has_keys(document: &Document, section: &Section, key: &str) -> bool {
+    matches!(document.value(section, key), Some(Value::Table(_)))
+}
+
+/// Whether the sun of a sky may change with time.
+fn sky_has_keys(document: &Document) -> bool {
+    let section = Section::Environment;
+    let is_table = |field: &Field| matches!(field.value.value, Value::Table(_));
+    let sky = match document.value(&section, "sky") {
+        Some(Value::Table(sky)) => sky.iter().any(is_table),
+        _ => false,
+    };
+    sky || has_keys(document, &section, "intensity")
 }
 
 /// The strength of a factor, and its colour, if it has one.
@@ -114,7 +166,13 @@ fn short(x: f32) -> f32 {
     format!("{x:.4e}").parse().unwrap_or(x)
 }
 
-fn light(scene: SceneView<'_>, name: &str, table: Option<&LightLook>, factor: Vec3) -> Vec<Edit> {
+fn light(
+    document: &Document,
+    scene: SceneView<'_>,
+    name: &str,
+    table: Option<&LightLook>,
+    factor: Vec3,
+) -> Result<Vec<Edit>, String> {
     let section = || Section::Light(name.to_owned());
     let given = scene.lights.iter().find(|light| light.name == name);
     let color_of = table.and_then(|table| table.color.as_ref());
@@ -135,6 +193,13 @@ fn light(scene: SceneView<'_>, name: &str, table: Option<&LightLook>, factor: Ve
         (None, false) => most.unwrap_or(usual),
     };
     let (strength, tint) = parts(factor);
+    // Where nothing else is written, how bright the light is follows from the colour, too.
+    let needs_color = tint.is_some() || written.is_none() && !is_own;
+    for (key, is_needed) in [("intensity", true), ("color", needs_color)] {
+        if is_needed && has_keys(document, &section(), key) {
+            return Err(format!("the `{key}` of the light {name} has keys"));
+        }
+    }
     let mut edits = vec![Edit::set(
         section(),
         "intensity",
@@ -147,10 +212,11 @@ fn light(scene: SceneView<'_>, name: &str, table: Option<&LightLook>, factor: Ve
         let tinted = former.unwrap_or(Vec3::ONE) * tint;
         edits.push(Edit::set(section(), "color", color(tinted)));
     }
-    edits
+    Ok(edits)
 }
 
 fn emission(
+    document: &Document,
     material: &Material,
     table: Option<&MaterialLook>,
     factor: Vec3,
@@ -165,6 +231,13 @@ fn emission(
     let constant = |key: &str| table.and_then(|table| table.constant(key));
     let strength = constant("emission_strength").map_or(1.0, |strength| strength.x);
     let (most, tint) = parts(factor);
+    let section = Section::Material(name.to_owned());
+    let is_tinted = tint.is_some();
+    for (key, is_needed) in [("emission_strength", true), ("emission", is_tinted)] {
+        if is_needed && has_keys(document, &section, key) {
+            return Err(format!("the `{key}` of the material {name} has keys"));
+        }
+    }
     let mut edits = vec![Edit::material(
         name,
         "emission_strength",
@@ -201,6 +274,9 @@ fn environment(
     let (most, tint) = parts(factor);
     let mut edits = vec![Edit::environment("intensity", number(former * most))];
     if let Some(tint) = tint {
+        if has_keys(document, &Section::Environment, "color") {
+            return Err("the environment's `color` has keys".to_owned());
+        }
         let EnvironmentLook::Constant(shown) = environment else {
             return Err(
                 "the environment is a panorama or a sky, which can be dimmed but not tinted"
@@ -229,8 +305,15 @@ mod tests {
         [material.Screen]\nemission = [1, 1, 0]\nemission_strength = 3\ngroup = \"screen\"\n\n\
         [material.Leds]\nemission = \"dots\"\ngroup = \"leds\"\n\n[node.dots]\ntexture = \"dots\"\n";
 
+    const SKY: &str = "environment = { sky = { sun_elevation = 30 }, intensity = 2.0, group = \"day\" }\n\n\
+        [light.sun]\ngroup = \"sunlight\"\n";
+
     fn relit(factors: &[(&str, [f32; 3])]) -> Result<Document, String> {
-        let mut document = Document::new(Path::new("a.look.toml"), LOOK).expect("a look");
+        relit_in(LOOK, factors)
+    }
+
+    fn relit_in(look: &str, factors: &[(&str, [f32; 3])]) -> Result<Document, String> {
+        let mut document = Document::new(Path::new("a.look.toml"), look).expect("a look");
         let light = |name: &str, intensity: [f32; 3]| PunctualLight {
             name: name.to_owned(),
             kind: LightKind::Point,
@@ -243,6 +326,7 @@ mod tests {
             light("Lamp", [4.0, 2.0, 0.0]),
             light("own", [INTENSITY; 3]),
             light("Window", [1.0; 3]),
+            light(SUN, [6.0, 4.5, 3.0]),
         ];
         let material = |name: &str, emission: [f32; 3]| Material {
             name: name.to_owned(),
@@ -316,5 +400,83 @@ mod tests {
         assert_eq!(numbers(&document, &leds, "emission_strength"), [0.25]);
         let why = relit(&[("leds", [1.0, 0.5, 0.5])]).expect_err("a texture");
         assert!(why.contains("Leds"), "{why}");
+    }
+
+    #[test]
+    fn the_sun_of_a_sky_is_mixed_apart_from_it() {
+        let (day, sun) = (Section::Environment, Section::Light(SUN.to_owned()));
+        let sky_and_sun = |look: &str, factors: &[(&str, [f32; 3])]| {
+            let document = relit_in(look, factors).expect("written");
+            [&day, &sun].map(|section| numbers(&document, section, "intensity"))
+        };
+        let half = [0.5; 3];
+        let mixed = |factors: &[(&str, [f32; 3])]| sky_and_sun(SKY, factors);
+        // Dimmed with its sky the sun is as bright as it was only if that is written.
+        assert_eq!(mixed(&[("day", half)]), [vec![1.0], vec![6.0]]);
+        assert_eq!(mixed(&[("sunlight", half)]), [vec![2.0], vec![3.0]]);
+        assert_eq!(mixed(&[("sunlight", [0.0; 3])]), [vec![2.0], vec![0.0]]);
+        let both = mixed(&[("day", half), ("sunlight", half)]);
+        assert_eq!(both, [vec![1.0], vec![]], "it follows its sky");
+        let warm = relit_in(SKY, &[("sunlight", [1.0, 1.0, 0.5])]).expect("written");
+        assert_eq!(numbers(&warm, &sun, "intensity"), [6.0]);
+        assert_eq!(numbers(&warm, &sun, "color"), [1.0, 0.75, 0.25]);
+        // It is in the group of its sky unless it has another one.
+        let alone = SKY.split("[light").next().expect("a head");
+        assert_eq!(
+            sky_and_sun(alone, &[("day", half)]),
+            [vec![1.0], vec![]],
+            "it follows its sky"
+        );
+        let written = format!("{alone}[light.sun]\nintensity = 8.0\n");
+        assert_eq!(
+            sky_and_sun(&written, &[("day", half)]),
+            [vec![1.0], vec![4.0]]
+        );
+        // Without its sky there is no sun of which a table could be.
+        let dark = [("day", [0.0; 3])];
+        assert_eq!(sky_and_sun(alone, &dark), [vec![0.0], vec![]]);
+        for look in [SKY, written.as_str()] {
+            let why = relit_in(look, &dark).expect_err("no sun");
+            assert!(why.contains("no sun"), "{why}");
+        }
+    }
+
+    #[test]
+    fn what_has_keys_is_left_alone() {
+        let strengths = "{ keys = [[0, 1.0], [1, 2.0]] }";
+        let colors = "{ keys = [[0, [1, 1, 0]], [1, [0, 1, 0]]] }";
+        let (gray, warm) = ([0.5; 3], [1.0, 0.5, 0.5]);
+        let lamp = "[light.Lamp]\ngroup = \"a\"\n";
+        let leds = "[material.Leds]\ngroup = \"a\"\n";
+        let sun = "[light.sun]\ngroup = \"a\"\n";
+        for (look, factor, says) in [
+            (format!("{lamp}intensity = {strengths}"), gray, "Lamp"),
+            (format!("{lamp}color = {colors}"), warm, "Lamp"),
+            (
+                format!("{leds}emission_strength = {strengths}"),
+                gray,
+                "Leds",
+            ),
+            (format!("{leds}emission = {colors}"), warm, "Leds"),
+            (
+                format!("environment = {{ color = {colors}, group = \"a\" }}"),
+                warm,
+                "environment",
+            ),
+            (
+                format!("environment = {{ sky = {{ sun_elevation = {strengths} }} }}\n{sun}"),
+                gray,
+                "sky",
+            ),
+        ] {
+            let why = relit_in(&look, &[("a", factor)]).expect_err(&look);
+            assert!(why.contains(says) && why.contains("keys"), "{look}: {why}");
+        }
+        // What isn't written keeps its keys.
+        let look = format!("{leds}emission = {colors}");
+        let document = relit_in(&look, &[("a", gray)]).expect("dimmed");
+        assert!(document.text().contains(colors), "{}", document.text());
+        let leds = Section::Material("Leds".to_owned());
+        assert_eq!(numbers(&document, &leds, "emission_strength"), [0.5]);
     }
 }

@@ -4,7 +4,7 @@ pub(crate) mod args;
 pub(crate) mod job;
 
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime};
 
 use device::{Device, DeviceChoice, DeviceError, DeviceOptions};
 use engine::film::write::{Content, Form};
@@ -50,6 +50,7 @@ pub(crate) fn run(job: &ViewJob) -> Result<(), Failure> {
         texture_dirs: job.texture_dirs.clone(),
         watched: None,
         waker: None,
+        begun: SystemTime::now(),
         read: Vec::new(),
     };
     library::texture_dirs(&job.texture_dirs, job.look.as_deref())?;
@@ -195,6 +196,8 @@ struct ProgramHost {
     watched: Option<Watched>,
     /// Wakes the window's render.
     waker: Option<Waker>,
+    /// When it was started: all that is shown has been read since.
+    begun: SystemTime,
     /// What is shown: no picture is written over it.
     read: Vec<PathBuf>,
 }
@@ -237,7 +240,7 @@ impl Host for ProgramHost {
                         waker.wake();
                     }
                 };
-                let watcher = Watcher::telling(files, look, textures, wake);
+                let watcher = Watcher::telling(files, look, textures, self.begun, wake);
                 *watched = Some(Watched {
                     watcher: watcher.map_err(|failure| failure.to_string())?,
                     textures: textures.to_owned(),

@@ -29,6 +29,9 @@ const LONGEST: Duration = Duration::from_millis(300);
 /// How often files are looked at without an event.
 const INTERVAL: Duration = Duration::from_millis(500);
 
+/// How coarsely file systems tell times, and how far their clocks may be behind.
+const CLOCKS: Duration = Duration::from_secs(2);
+
 /// What changed in a burst.
 #[derive(Debug)]
 pub(crate) struct Changes {
@@ -63,6 +66,8 @@ pub(crate) struct Watcher {
     aliases: HashMap<PathBuf, PathBuf>,
     /// Folders with events, and which folder each of them was when that began.
     watched: BTreeMap<PathBuf, Stamp>,
+    /// Files that are younger may have been read before they were saved.
+    since: SystemTime,
     /// What files were like when they were told of, or first met. Those of textures are in here too.
     stamps: HashMap<PathBuf, Stamp>,
     looked: Instant,
@@ -115,7 +120,8 @@ fn says_something(kind: &EventKind) -> bool {
 }
 
 impl Watcher {
-    /// Watches these files and the textures in these folders.
+    /// Watches these files and the textures in these folders. What has been saved `since` it was read, or may have been, counts as
+    /// changed: whoever follows compares contents.
     ///
     /// # Errors
     /// The system offers no way.
@@ -123,8 +129,9 @@ impl Watcher {
         files: &[PathBuf],
         look: Option<&Path>,
         textures: &[PathBuf],
+        since: SystemTime,
     ) -> Result<Self, Failure> {
-        Self::telling(files, look, textures, || {})
+        Self::telling(files, look, textures, since, || {})
     }
 
     /// As [`Self::new`], and calls `wake` on a thread of its own when there is something to [wait](Self::wait) for.
@@ -135,6 +142,7 @@ impl Watcher {
         files: &[PathBuf],
         look: Option<&Path>,
         textures: &[PathBuf],
+        since: SystemTime,
         wake: impl Fn() + Send + 'static,
     ) -> Result<Self, Failure> {
         let refused = |error| Failure::Failed(format!("can't watch files: {error}"));
@@ -160,6 +168,7 @@ impl Watcher {
                 .collect(),
             aliases: HashMap::new(),
             watched: BTreeMap::new(),
+            since: since - CLOCKS,
             stamps: HashMap::new(),
             looked: Instant::now(),
             burst: None,
@@ -168,7 +177,8 @@ impl Watcher {
             this.watch(folder);
         }
         for texture in this.textures() {
-            this.stamps.insert(texture.clone(), stamp(&texture));
+            let first = this.first_stamp(&texture);
+            this.stamps.insert(texture, first);
         }
         this.set_files(files, look);
         Ok(this)
@@ -184,13 +194,18 @@ impl Watcher {
                 true => Kind::Look,
                 false => Kind::Asset,
             };
-            self.stamps
-                .entry(path.clone())
-                .or_insert_with(|| stamp(&path));
+            if !self.stamps.contains_key(&path) {
+                self.stamps.insert(path.clone(), self.first_stamp(&path));
+            }
             self.watch(aside::folder_of(&path).to_owned());
             self.follow(&path);
             self.files.insert(path, kind);
         }
+    }
+
+    /// That of a file when it is first met: none, so that it is looked at once more, if it may have been read before it was saved.
+    fn first_stamp(&self, path: &Path) -> Stamp {
+        stamp(path).filter(|(_, changed, _)| *changed <= self.since)
     }
 
     /// Events call a file by where it really is.
@@ -477,6 +492,28 @@ mod tests {
         assert_eq!(burst.end(), now + LONGEST);
     }
 
+    /// Later than whatever the tests have written by now, clocks included.
+    fn known() -> SystemTime {
+        SystemTime::now() + CLOCKS
+    }
+
+    #[test]
+    fn what_is_saved_before_watching_begins_has_changed() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let [scene, look] = ["a.gltf", "a.look.toml"].map(|name| folder.path().join(name));
+        fs::write(&scene, "old").expect("written");
+        fs::write(&look, "old").expect("written");
+        let old = SystemTime::now() - Duration::from_secs(3600);
+        let file = fs::File::options().append(true).open(&scene);
+        let aged = file.and_then(|file| file.set_modified(old));
+        aged.expect("it can be made older");
+        let files = [scene, look.clone()];
+        let begun = SystemTime::now();
+        let mut watcher = Watcher::new(&files, Some(&look), &[], begun).expect("watched");
+        let changes = all(&mut watcher);
+        assert!(changes.look && !changes.assets, "{changes:?}");
+    }
+
     #[test]
     fn bursts_of_saves_are_one_change() {
         let folder = tempfile::tempdir().expect("a temporary folder");
@@ -487,7 +524,8 @@ mod tests {
         }
         let files = [path("a.gltf"), path("a.look.toml")];
         let look = path("a.look.toml");
-        let mut watcher = Watcher::new(&files, Some(&look), &[path("textures")]).expect("watched");
+        let mut watcher =
+            Watcher::new(&files, Some(&look), &[path("textures")], known()).expect("watched");
         // An editor that writes aside and renames, several times, and files that nobody watches.
         for i in 0..5 {
             fs::write(path("textures/t.tmp"), format!("{i}")).expect("written");
@@ -522,7 +560,7 @@ mod tests {
         let path = |name: &str| folder.path().join(name);
         fs::create_dir(path("textures")).expect("a folder");
         fs::write(path("textures/t.wgsl"), "old").expect("written");
-        let mut watcher = Watcher::new(&[], None, &[path("textures")]).expect("watched");
+        let mut watcher = Watcher::new(&[], None, &[path("textures")], known()).expect("watched");
         let mut expect = |what: &str| {
             let changes = next(&mut watcher).unwrap_or_else(|| panic!("{what} is noticed"));
             assert!(changes.textures, "{what}: {changes:?}");
@@ -550,7 +588,8 @@ mod tests {
         let path = |name: &str| folder.path().join(name);
         fs::create_dir(path("lib")).expect("a folder");
         fs::write(path("lib/waves.wgsl"), "old").expect("written");
-        let mut watcher = Watcher::new(&[], None, &[folder.path().to_owned()]).expect("watched");
+        let mut watcher =
+            Watcher::new(&[], None, &[folder.path().to_owned()], known()).expect("watched");
         fs::write(path("lib/waves.wgsl"), "newer").expect("written");
         let changes = next(&mut watcher).expect("noticed");
         assert!(changes.textures, "{changes:?}");
@@ -570,7 +609,7 @@ mod tests {
         let look = path("a.look.toml");
         symlink("below/one", &look).expect("a link");
         let mut watcher =
-            Watcher::new(std::slice::from_ref(&look), Some(&look), &[]).expect("watched");
+            Watcher::new(std::slice::from_ref(&look), Some(&look), &[], known()).expect("watched");
         fs::write(path("below/one"), "edited").expect("written");
         let changes = next(&mut watcher).expect("noticed");
         assert!(changes.look, "{changes:?}");

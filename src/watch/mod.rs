@@ -7,7 +7,7 @@ pub(crate) mod job;
 
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime};
 
 use device::{Device, DeviceOptions};
 use engine::load;
@@ -43,7 +43,7 @@ pub(crate) fn run(job: &WatchJob) -> Result<(), Failure> {
     let mut read = load::files(&job.scene, look.as_ref());
     read.extend(job.look.clone());
     output::check_all(&written, &read)?;
-    let clock = Instant::now();
+    let (clock, begun) = (Instant::now(), SystemTime::now());
     let bar = Arc::new(Bar::of_compiling());
     let mut session = open(job, &bar)?;
     console::diagnostics(session.warnings());
@@ -51,6 +51,7 @@ pub(crate) fn run(job: &WatchJob) -> Result<(), Failure> {
         &session.files(),
         job.look.as_deref(),
         &session.inputs().textures,
+        begun,
     )?;
     let mut update = Update::new("start".to_owned(), clock);
     let mut told = String::new();

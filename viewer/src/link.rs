@@ -218,6 +218,8 @@ pub enum Reply {
     },
     /// Corners of a box around what was asked for, metres.
     Bounds([glam::Vec3; 2]),
+    /// Not the moment that was asked for is shown, but this one, in seconds; `None` for the scene at rest.
+    Moment(Option<f64>),
     /// Other files are rendered from now on.
     Opened(Files),
 }

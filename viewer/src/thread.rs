@@ -221,6 +221,8 @@ struct Pending {
     made: u64,
     view: Option<Option<Camera>>,
     moment: Option<Moment>,
+    /// The last one that was asked for.
+    asked: Moment,
     since: Option<Instant>,
 }
 
@@ -394,6 +396,7 @@ impl Render {
         self.apply_pending()?;
         self.fit_size()?;
         self.notice_generation();
+        self.notice_moment();
         if self.is_stale && !self.is_moving {
             self.is_stale = false;
             self.publish_scene();
@@ -441,7 +444,11 @@ impl Render {
             session.set_view(view);
         }
         let moment = self.pending.moment.take();
-        let moved = moment.map_or(Ok(()), |moment| session.set_moment(&moment));
+        let moved = moment.map_or(Ok(()), |moment| {
+            let moved = session.set_moment(&moment);
+            self.pending.asked = moment;
+            moved
+        });
         let changes = self.pending.changes.take();
         let sent = changes.iter().try_for_each(|change| session.apply(change));
         self.pending.made = self.pending.number;
@@ -452,6 +459,18 @@ impl Render {
             self.reply(Reply::Failed(publish::message(&why)));
         }
         sent
+    }
+
+    /// Notices that the moment that was asked for can't be shown: the bar of time goes back, too.
+    fn notice_moment(&mut self) {
+        let Some(session) = &self.session else {
+            return;
+        };
+        let moment = session.moment();
+        if *moment != self.pending.asked && self.pending.moment.is_none() {
+            self.pending.asked = moment.clone();
+            self.reply(Reply::Moment(publish::seconds(moment)));
+        }
     }
 
     /// Notices that the picture has begun anew.

@@ -454,6 +454,7 @@ impl Viewer {
                 let view = self.viewport.moved(|camera| camera.frame(low, high));
                 self.send_view(view);
             }
+            Reply::Moment(seconds) => self.timeline = Timeline::at(seconds),
             Reply::Opened(files) => {
                 self.link.send(Command::HasOpened);
                 self.viewport = Viewport::default();

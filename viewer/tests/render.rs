@@ -27,6 +27,8 @@ use tempfile::TempDir;
 mod files;
 #[path = "render/noise.rs"]
 mod noise;
+#[path = "render/regions.rs"]
+mod regions;
 
 /// A triangle and a camera in front of it.
 const SCENE: &str = r#"{
@@ -140,6 +142,11 @@ impl Host for TestHost {
     }
 }
 
+fn usual_device() -> DeviceChoice {
+    let name = std::env::var("PATINA_DEVICE");
+    name.map_or(DeviceChoice::Best, DeviceChoice::Name)
+}
+
 struct Stage {
     device: Device,
     folder: TempDir,
@@ -159,12 +166,10 @@ impl Stage {
 
     /// With a look that may be wrong.
     fn beginning(look: &str) -> Option<Self> {
-        let name = std::env::var("PATINA_DEVICE");
-        let choice = name.map_or(DeviceChoice::Best, DeviceChoice::Name);
-        Self::on(&choice, look)
+        Self::on(&usual_device(), look, 4)
     }
 
-    fn on(choice: &DeviceChoice, look: &str) -> Option<Self> {
+    fn on(choice: &DeviceChoice, look: &str, target_spp: u32) -> Option<Self> {
         let device = match Device::open(choice) {
             Ok(device) => device,
             Err(error) => {
@@ -189,7 +194,7 @@ impl Stage {
             camera: None,
         };
         let options = RenderOptions {
-            target_spp: 4,
+            target_spp,
             max_depth: 2,
             seed: 0,
             size: [32, 18],
@@ -380,103 +385,6 @@ fn pictures_are_finished_before_they_are_written() {
     stage.wait("reason", |stage| {
         stage.harness.query_by_label_contains("no folder").is_some()
     });
-    stage.thread.finish();
-}
-
-#[test]
-fn a_region_alone_follows_edits_and_the_picture_of_before_is_kept() {
-    let Some(mut stage) = Stage::new() else {
-        return;
-    };
-    let whole = |stage: &Stage| {
-        let status = stage.harness.state().status();
-        status.spp >= 4.0 && status.is_whole
-    };
-    stage.wait("whole picture", whole);
-    let size = stage.harness.state().status().size;
-    let has = |stage: &Stage| {
-        let board = stage.thread.link.board();
-        let shown = board.shown.as_ref();
-        shown.map_or((false, false), |shown| {
-            let [_, before, beside] = &shown.pictures;
-            (before.is_some(), beside.is_some())
-        })
-    };
-    stage.thread.link.send(Command::KeepBefore(true));
-    stage.wait("picture of before", |stage| has(stage) == (true, false));
-    let region = Some([0.0, 0.0, 0.5, 1.0]);
-    stage.thread.link.send(Command::Region(region));
-    stage.edit(Edit::material("Brass", "roughness", Value::number(0.25)));
-    stage.wait("region", |stage| has(stage) == (true, true));
-    for _ in 0..20 {
-        stage.harness.run_steps(1);
-        assert_eq!(
-            stage.harness.state().status().size,
-            size,
-            "nothing is coarse"
-        );
-        std::thread::sleep(Duration::from_millis(5));
-    }
-    stage.thread.link.send(Command::Region(None));
-    stage.wait("all of it", |stage| {
-        has(stage) == (true, false) && whole(stage)
-    });
-    stage.thread.link.send(Command::KeepBefore(false));
-    stage.wait("picture alone", |stage| has(stage) == (false, false));
-    stage.thread.finish();
-}
-
-#[test]
-fn a_region_alone_follows_what_others_save() {
-    let Some(mut stage) = Stage::new() else {
-        return;
-    };
-    let whole = |stage: &Stage| {
-        let status = stage.harness.state().status();
-        status.spp >= 4.0 && status.is_whole
-    };
-    stage.wait("whole picture", whole);
-    let size = stage.harness.state().status().size;
-    let beside = |stage: &Stage| {
-        let board = stage.thread.link.board();
-        let shown = board.shown.as_ref();
-        let [_, _, beside] = shown.map(|shown| shown.pictures.clone())?;
-        beside
-    };
-    let answered = |stage: &Stage| stage.harness.state().status().answered;
-    let region = Some([0.0, 0.0, 0.5, 1.0]);
-    stage.thread.link.send(Command::Region(region));
-    let look = Changes {
-        look: true,
-        ..Changes::default()
-    };
-    let assets = Changes {
-        assets: true,
-        ..Changes::default()
-    };
-    let mut kept = None;
-    for (name, text, changes) in [
-        // By writes to buffers, and by another renderer.
-        ("scene.look.toml", LOOK.replace("0.5 ", "0.25 "), look),
-        ("scene.gltf", SCENE.replace("0.7", "0.75"), assets),
-    ] {
-        let before = answered(&stage);
-        fs::write(stage.path(name), text).expect("written");
-        stage.changes.send(changes).expect("heard");
-        stage.wait("region", |stage| {
-            assert_eq!(
-                stage.harness.state().status().size,
-                size,
-                "nothing is coarse"
-            );
-            beside(stage).is_some() && answered(stage) > before
-        });
-        let now = beside(&stage);
-        assert!(kept.is_none() || kept == now, "it stays");
-        kept = now;
-    }
-    stage.thread.link.send(Command::Region(None));
-    stage.wait("all of it", |stage| beside(stage).is_none() && whole(stage));
     stage.thread.finish();
 }
 
@@ -749,7 +657,7 @@ fn a_window_that_cannot_be_drawn_any_more_ends_the_render_and_keeps_the_edits() 
 #[test]
 fn a_lost_device_ends_the_render_and_keeps_the_edits() {
     // The processor is never lost.
-    let Some(mut stage) = Stage::on(&DeviceChoice::Driver, LOOK) else {
+    let Some(mut stage) = Stage::on(&DeviceChoice::Driver, LOOK, 4) else {
         return;
     };
     stage.wait("a picture", |stage| {

@@ -38,6 +38,7 @@ pub(super) struct Rebuilt {
     /// What was read for it, if anything was.
     read: Option<Record>,
     renderer: Renderer,
+    moment: Moment,
 }
 
 /// Loads scene, textures, and a look of this text, at a moment.
@@ -209,13 +210,13 @@ impl Session {
     ) {
         let (device, system) = (self.renderer.device().clone(), self.system.clone());
         let (make_settings, layers) = (self.make_settings.clone(), self.layers.clone());
-        let time = self.moment.seconds as f32;
+        let moment = self.moment.clone();
         let build = move || {
             let Some((loaded, read)) = read()? else {
                 return Ok(None);
             };
             let mut settings = make_settings(loaded.camera.clone());
-            settings.time = time;
+            settings.time = moment.seconds as f32;
             if let Some(layers) = layers {
                 settings.layers = layers.of_scene(&loaded.scene);
             }
@@ -225,6 +226,7 @@ impl Session {
                 loaded,
                 read,
                 renderer,
+                moment,
             })))
         };
         match Task::start(&*self.system.threads, "another renderer", build) {
@@ -275,7 +277,11 @@ impl Session {
             if again.moment
                 && let Err(error) = self.go_to_moment()
             {
-                self.problems.scene = Diagnostic::error(error.to_string()).into();
+                self.problems.moment = Diagnostic::error(error.to_string()).into();
+                // Where all is built anew for it, that will be of this moment, or say why not.
+                if self.job.is_none() {
+                    self.moment = self.shown_moment.clone();
+                }
             }
             if again.assets {
                 self.assets_changed();
@@ -325,18 +331,20 @@ impl Session {
                     loaded,
                     read,
                     renderer,
+                    moment,
                 } = *built;
                 self.renderer = renderer;
+                // Whatever is wrong with files that weren't read again is so still.
                 if let Some(read) = read {
                     self.read = read;
+                    self.problems.scene = Diagnostics::new();
+                    self.problems.sources = Diagnostics::new();
                 }
-                self.adopt(loaded);
+                self.adopt(loaded, moment);
                 if let Some(view) = &self.view {
                     self.renderer.set_camera(view);
                 }
                 self.problems.look = Diagnostics::new();
-                self.problems.scene = Diagnostics::new();
-                self.problems.sources = Diagnostics::new();
                 self.generation += 1;
                 self.shown = Some(placed_fields(&text));
                 self.catch_up();

@@ -4,7 +4,9 @@
 //! comments included. Nothing here knows widgets or devices: whoever edits holds a [`Document`], at once up to date, and
 //! brings what has changed to the session, which may be busy on another thread.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use texgen::Diagnostics;
 
@@ -19,6 +21,9 @@ const MAX_STEPS: usize = 10_000;
 /// Bytes of text that these may take together: a look may be large, and an editor replace all of it with each step.
 const MAX_BYTES: usize = 64 << 20;
 
+/// Numbers what other programs have written, in all documents: what is kept of one may be brought back in another.
+static WRITTEN_BY_OTHERS: AtomicU64 = AtomicU64::new(1);
+
 /// One step of the history.
 #[derive(Debug, Clone)]
 struct Step {
@@ -26,8 +31,10 @@ struct Step {
     patch: Patch,
     /// Further edits of this group belong to this step, as those of one drag.
     group: Option<u64>,
-    /// It has brought what another program has written to the file.
-    is_of_others: bool,
+    /// What other programs have written to the file that it brings.
+    brings: Vec<u64>,
+    /// The same that it takes away.
+    leaves_out: Vec<u64>,
 }
 
 /// A look as text, with undo and redo for every change.
@@ -43,8 +50,10 @@ pub struct Document {
     redo: Vec<Step>,
     changes: ChangeQueue,
     revision: u64,
-    /// Steps that brought what others have written, and that have been undone.
-    undone_of_others: usize,
+    /// What other programs have written to the file, by numbers, as far as the text has it.
+    others: BTreeSet<u64>,
+    /// All of that, unless somebody has decided to leave it out.
+    others_of_file: BTreeSet<u64>,
 }
 
 impl Document {
@@ -62,7 +71,8 @@ impl Document {
             redo: Vec::new(),
             changes: ChangeQueue::default(),
             revision: 0,
-            undone_of_others: 0,
+            others: BTreeSet::new(),
+            others_of_file: BTreeSet::new(),
         })
     }
 
@@ -186,22 +196,52 @@ impl Document {
         if self.revision != revision
             && let Some(step) = self.undo.last_mut()
         {
-            step.is_of_others = true;
+            let number = WRITTEN_BY_OTHERS.fetch_add(1, Ordering::Relaxed);
+            step.brings.push(number);
+            self.others.insert(number);
+            self.others_of_file.insert(number);
         }
         Ok(())
     }
 
-    /// What another program has written to the file was undone: to save would take it away there, too.
+    /// What other programs have written to the file, by numbers, as far as the text has it: to be kept beside a text that
+    /// [`Self::return_to`] may bring back.
+    pub fn others(&self) -> &BTreeSet<u64> {
+        &self.others
+    }
+
+    /// As [`Self::replace`], with a text that was kept when it had of others what `others` says: see [`Self::others`]. What they have
+    /// written since then is left out by it.
+    ///
+    /// # Errors
+    /// As there.
+    pub fn return_to(
+        &mut self,
+        label: &str,
+        text: &str,
+        others: &BTreeSet<u64>,
+    ) -> Result<(), Diagnostics> {
+        let revision = self.revision;
+        self.replace(label, text)?;
+        if self.revision != revision
+            && let Some(step) = self.undo.last_mut()
+        {
+            step.brings = others.difference(&self.others).copied().collect();
+            step.leaves_out = self.others.difference(others).copied().collect();
+            self.others.clone_from(others);
+        }
+        Ok(())
+    }
+
+    /// The text lacks something that another program has written to the file: to save would take it away there, too.
     pub fn leaves_out_others(&self) -> bool {
-        self.undone_of_others > 0
+        !self.others_of_file.is_subset(&self.others)
     }
 
     /// What others have written may be left out: somebody has decided so.
     pub fn leave_out_others(&mut self) {
-        self.undone_of_others = 0;
-        for step in &mut self.redo {
-            step.is_of_others = false;
-        }
+        let has = &self.others;
+        self.others_of_file.retain(|number| has.contains(number));
     }
 
     /// Ends a group of edits: what follows is a step of its own.
@@ -257,7 +297,8 @@ impl Document {
             return false;
         };
         step.patch.revert(&mut self.text);
-        self.undone_of_others += usize::from(step.is_of_others);
+        self.others.retain(|number| !step.brings.contains(number));
+        self.others.extend(&step.leaves_out);
         self.redo.push(step);
         true
     }
@@ -267,7 +308,9 @@ impl Document {
             return false;
         };
         step.patch.apply(&mut self.text);
-        self.undone_of_others -= usize::from(step.is_of_others);
+        self.others
+            .retain(|number| !step.leaves_out.contains(number));
+        self.others.extend(&step.brings);
         self.undo.push(step);
         true
     }
@@ -311,7 +354,8 @@ impl Document {
             label: label.to_owned(),
             patch,
             group,
-            is_of_others: false,
+            brings: Vec::new(),
+            leaves_out: Vec::new(),
         });
         self.forget_old_steps();
     }
@@ -496,6 +540,45 @@ mod tests {
         assert!(document.leaves_out_others());
         document.leave_out_others();
         assert!(!document.leaves_out_others());
+        assert!(document.undo() && document.redo());
+        assert!(!document.leaves_out_others());
+    }
+
+    #[test]
+    fn a_text_that_was_kept_leaves_out_what_others_have_written_since() {
+        let mut document = document();
+        let kept = |document: &Document| (document.text().to_owned(), document.others().clone());
+        let theirs = |document: &mut Document, comment: &str| {
+            let text = format!("# {comment}.\n{}", document.text());
+            document.replace_by_others("file", &text).expect("a look");
+        };
+        let return_to = |document: &mut Document, (text, others): &(String, BTreeSet<u64>)| {
+            document.return_to("kept", text, others).expect("a look");
+        };
+        let first = kept(&document);
+        theirs(&mut document, "Theirs");
+        let second = kept(&document);
+        return_to(&mut document, &first);
+        assert_eq!(document.text(), TEXT);
+        assert!(document.leaves_out_others());
+        assert!(document.undo() && !document.leaves_out_others());
+        assert!(document.redo() && document.leaves_out_others());
+        // The other one has it.
+        return_to(&mut document, &second);
+        assert!(!document.leaves_out_others());
+        assert!(document.undo() && document.leaves_out_others());
+        assert!(document.redo() && !document.leaves_out_others());
+        // As many as the text has now, but another one of them.
+        assert!(document.go_to(0) && document.leaves_out_others());
+        theirs(&mut document, "Later");
+        assert!(document.leaves_out_others(), "the first one is undone");
+        document.leave_out_others();
+        return_to(&mut document, &second);
+        assert!(document.leaves_out_others(), "it lacks the later one");
+        assert!(document.undo() && !document.leaves_out_others());
+        // What has been decided needs no answer any more.
+        return_to(&mut document, &first);
+        document.leave_out_others();
         assert!(document.undo() && document.redo());
         assert!(!document.leaves_out_others());
     }

@@ -10,7 +10,7 @@ use crate::scene::look::{
     placed_fields, table,
 };
 use crate::scene::view::ViewChoice;
-use crate::scene::{Camera, Environment, Material, PunctualLight};
+use crate::scene::{Camera, Environment, Material, Motion, PunctualLight};
 
 use super::difference::{TableChange, difference};
 use super::edit::{Edit, summary};
@@ -334,6 +334,11 @@ impl Session {
             (_, Table::Camera(camera)) => {
                 if self.inputs.camera.is_some() {
                     return Ok(());
+                }
+                // A camera that the scene hasn't starts from a view of the scene at rest, which isn't here.
+                let is_at_rest = self.moment.motion == Motion::Rest;
+                if self.scene.cameras.is_empty() && !is_at_rest {
+                    return Err(UpdateError::Rebuild);
                 }
                 let mut look = Look::empty(&self.look_path(), file.clone());
                 look.camera = camera;

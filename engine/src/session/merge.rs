@@ -9,7 +9,7 @@ use crate::scene::look::{Field, Look, LookDocument, Section, Value, find};
 
 use super::edit::summary;
 
-/// Two looks in one.
+/// Two looks in one. Where both sides together would be no look, it is one of them as a whole.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Merged {
     /// With the own value where both sides have changed one.
@@ -42,29 +42,31 @@ pub fn merge(path: &Path, base: &str, mine: &str, theirs: &str) -> Result<Merged
     let fields = |text| LookDocument::parse(path, text).map(|document| document.fields());
     let (old, own) = (fields(base)?, fields(mine)?);
     let document = LookDocument::parse(path, theirs)?;
-    let mut conflicts = Vec::new();
-    let mut brought = |first| {
+    let brought = |first| {
         let mut into = document.clone();
-        conflicts = bring(&old, &own, &mut into, first);
-        into.text()
+        let conflicts = bring(&old, &own, &mut into, first);
+        (into.text(), conflicts)
     };
-    let (theirs_first, text) = (brought(First::Theirs), brought(First::Mine));
-    // Each for itself is a look. Where both together are none, one of them has to be chosen.
-    match Look::parse(path, &text) {
-        Ok(_) => Ok(Merged {
-            text,
-            theirs_first,
-            conflicts,
-        }),
+    let (theirs_first, _) = brought(First::Theirs);
+    let (text, mut conflicts) = brought(First::Mine);
+    // Each for itself is a look.
+    let mut checked = |both: String, whose: &str, alone: &str| match Look::parse(path, &both) {
+        Ok(_) => both,
         Err(problems) => {
-            conflicts.push(format!("both together: {}", summary(&problems)));
-            Ok(Merged {
-                text: mine.to_owned(),
-                theirs_first: theirs.to_owned(),
-                conflicts,
-            })
+            conflicts.push(format!(
+                "{whose} as a whole, since both together would be no look: {}",
+                summary(&problems)
+            ));
+            alone.to_owned()
         }
-    }
+    };
+    let text = checked(text, "mine", mine);
+    let theirs_first = checked(theirs_first, "the file's", theirs);
+    Ok(Merged {
+        text,
+        theirs_first,
+        conflicts,
+    })
 }
 
 impl Merged {
@@ -267,5 +269,36 @@ mod tests {
         let include = format!("[[include]]\nfile = 'a.glb'\n\n{BASE}");
         assert_eq!(merged(&include, &theirs).conflicts, ["[[include]]"]);
         assert!(merge(Path::new(""), BASE, "a =", &theirs).is_err());
+    }
+
+    /// Each of the own keys may go with one of the other side's, and not with the other one.
+    #[test]
+    fn what_is_no_look_together_is_one_of_both() {
+        let spot = |inner: f32, outer: f32| {
+            format!(
+                "[light.s]\ntype = 'spot'\nposition = [0, 1, 0]\ninner_cone_angle = {inner:?}\nouter_cone_angle = {outer:?}\n"
+            )
+        };
+        let merged = |mine: &str, theirs: &str| {
+            let base = spot(10.0, 40.0);
+            merge(Path::new("a.look.toml"), &base, mine, theirs).unwrap_or_else(|e| panic!("{e}"))
+        };
+        let (wide, narrow) = (spot(30.0, 50.0), spot(10.0, 20.0));
+        let both = merged(&wide, &narrow);
+        assert_eq!((&both.text, &both.theirs_first), (&wide, &narrow));
+        let [key, why] = &both.conflicts[..] else {
+            panic!("{:?}", both.conflicts);
+        };
+        assert_eq!(key, "[light.s] outer_cone_angle");
+        assert!(why.starts_with("the file's as a whole"), "{why}");
+        assert!(why.contains("has to be less than"), "{why}");
+        let both = merged(&narrow, &wide);
+        assert_eq!((&both.text, &both.theirs_first), (&narrow, &wide));
+        assert!(both.conflicts[1].starts_with("mine as a whole"));
+        // Without a key that both have changed there is a choice all the same.
+        let (inner, outer) = (spot(30.0, 40.0), spot(10.0, 20.0));
+        let both = merged(&inner, &outer);
+        assert_eq!((&both.text, &both.theirs_first), (&inner, &outer));
+        assert_eq!(both.conflicts.len(), 2, "{:?}", both.conflicts);
     }
 }

@@ -120,8 +120,9 @@ pub struct Session {
     was_without_lamp: bool,
     /// What it is seen by then.
     stand_in: StandIn,
-    /// Of a scene that moves.
+    /// Of a scene that moves: the one that is wanted.
     moment: Moment,
+    shown_moment: Moment,
     /// The files as they were read for other moments, with the look's text of then.
     timeline: Option<(String, Timeline, Arc<Recorder>)>,
     /// What was read for what is shown.
@@ -146,6 +147,8 @@ struct Problems {
     look: Diagnostics,
     /// Files of the scene that were read because they had changed: what is shown is of former ones, whatever becomes of the look.
     scene: Diagnostics,
+    /// The moment that was asked for while something was built can't be shown: another one is.
+    moment: Diagnostics,
     sources: Diagnostics,
 }
 
@@ -226,9 +229,10 @@ impl Session {
             file,
             look,
             scene,
+            moment,
             sources,
         } = &self.problems;
-        let all = [file, look, scene, sources].into_iter();
+        let all = [file, look, scene, moment, sources].into_iter();
         all.flat_map(Diagnostics::iter).cloned().collect()
     }
 

@@ -3,6 +3,8 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use texgen::Diagnostics;
+
 use crate::load::{Loaded, Timeline};
 use crate::renderer::RenderSettings;
 use crate::scene::look::{Field, Value, placed_fields};
@@ -25,6 +27,11 @@ impl Session {
     /// The moment that is shown, or will be once what is being built is ready.
     pub fn moment(&self) -> &Moment {
         &self.moment
+    }
+
+    /// The moment of what is shown by now.
+    pub fn shown_moment(&self) -> &Moment {
+        &self.shown_moment
     }
 
     /// Shows the scene as it is at another moment. Only what has changed is sent to the device, and files are read again only after
@@ -80,7 +87,7 @@ impl Session {
             self.rebuild();
             return Err(error.into());
         }
-        self.adopt(loaded);
+        self.adopt(loaded, moment);
         self.read = read;
         self.generation += 1;
         self.shown = Some(placed_fields(&text));
@@ -89,7 +96,9 @@ impl Session {
     }
 
     /// Takes over what the renderer shows.
-    pub(super) fn adopt(&mut self, loaded: Loaded) {
+    pub(super) fn adopt(&mut self, loaded: Loaded, moment: Moment) {
+        self.shown_moment = moment;
+        self.problems.moment = Diagnostics::new();
         self.scene = loaded.scene;
         self.given_lights = loaded.given_lights;
         self.has_given_environment = loaded.has_given_environment;

@@ -244,6 +244,7 @@ impl Opening {
             problems: Problems::default(),
             warnings,
             generation: 0,
+            shown_moment: self.moment.clone(),
             moment: self.moment,
             timeline: None,
             read: self.read,
@@ -276,8 +277,8 @@ impl Session {
         } = opening;
         let scenes = [&self.scene, &loaded.scene];
         (self.renderer).show(scenes, &loaded.procedural, settings, goes_on)?;
-        (self.moment, self.read) = (moment, read);
-        self.adopt(loaded);
+        (self.moment, self.read) = (moment.clone(), read);
+        self.adopt(loaded, moment);
         if !goes_on {
             self.generation += 1;
         }

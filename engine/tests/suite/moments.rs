@@ -289,6 +289,34 @@ fn a_session_goes_to_other_moments_and_is_edited_there() {
 }
 
 #[test]
+fn a_moment_that_is_asked_for_while_something_is_built_and_makes_no_sense_is_forgotten() {
+    let stage = Stage::new();
+    let Some(device) = device::open() else { return };
+    // After three quarters of a second the camera is where it looks at.
+    let camera = "[camera]\nlook_at = [0, 0, 0]\nposition = { keys = [[0, [0, 1, 4]], [0.75, [0, 0, 0]]] }\n";
+    let look = stage.folder.path().join("moving.look.toml");
+    fs::write(look, format!("{LOOK}{camera}")).expect("written");
+    let (first, second, none) = (moment(0.25), moment(0.5), moment(0.75));
+    let mut session = started(&device, stage.at(0.25), 0.25, 0);
+    let ask = |session: &mut Session, wanted: &Moment| {
+        session.assets_changed();
+        session.set_moment(wanted).expect("it waits");
+        assert_eq!((session.moment(), session.shown_moment()), (wanted, &first));
+        while session.is_building() {
+            session.step(1).expect("rendered");
+        }
+    };
+    ask(&mut session, &none);
+    let problems = session.problems();
+    let said: Vec<&str> = problems.iter().map(|p| p.message.as_str()).collect();
+    assert_eq!(said.len(), 1, "{said:?}");
+    assert_eq!((session.moment(), session.shown_moment()), (&first, &first));
+    ask(&mut session, &second);
+    assert!(session.problems().is_empty());
+    assert_eq!(session.shown_moment(), &second);
+}
+
+#[test]
 fn only_what_changes_is_made_anew() {
     let stage = Stage::new();
     let Some(device) = device::open() else { return };

@@ -62,9 +62,15 @@ impl GraphView {
             match event {
                 Event::Copy | Event::Cut if !self.selected.is_empty() => {
                     let nodes: Vec<String> = self.selected.iter().cloned().collect();
-                    ui.ctx().copy_text(clipboard::copied(cx.document, &nodes));
+                    let copied = clipboard::copied(cx.document, &nodes);
+                    ui.ctx().copy_text(copied.text);
                     if event == Event::Cut {
+                        // What is nowhere else stays.
+                        self.selected = copied.nodes.into_iter().collect();
                         self.delete(cx);
+                    }
+                    if let Some(why) = copied.refused {
+                        cx.edit_if("copy", Err(why));
                     }
                 }
                 Event::Paste(text) => self.paste(cx, &text),

@@ -70,3 +70,25 @@ fn states_are_kept_and_switched_between() {
     click(&mut harness, "Snapshot B");
     assert_eq!(text(&harness), last, "nothing was kept as B");
 }
+
+#[test]
+fn a_state_that_lacks_what_others_have_saved_leaves_it_out() {
+    let mut harness = harness(Form::List);
+    click(&mut harness, "Snapshot A");
+    let theirs = format!("# Theirs.\n{LOOK}");
+    let document = &mut harness.state_mut().document;
+    document.replace_by_others("file", &theirs).expect("a look");
+    harness.run();
+    click(&mut harness, "Snapshot B");
+    let leaves_out = |harness: &Harness<'_, State>| harness.state().document.leaves_out_others();
+    assert!(!leaves_out(&harness));
+    click(&mut harness, "Snapshot A");
+    assert_eq!(text(&harness), LOOK);
+    assert!(leaves_out(&harness), "to save would take it away");
+    click(&mut harness, "Undo");
+    assert_eq!(text(&harness), theirs);
+    assert!(!leaves_out(&harness));
+    click(&mut harness, "Snapshot A");
+    click(&mut harness, "Snapshot B");
+    assert!(!leaves_out(&harness), "that has it");
+}

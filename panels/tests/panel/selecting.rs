@@ -3,6 +3,8 @@
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, PointerButton, vec2};
 use egui_kittest::kittest::Queryable;
+use engine::scene::look::AoSettings;
+use engine::session::Edit;
 use patina_panels::Form;
 
 use crate::support::{LOOK, center, harness, text};
@@ -62,6 +64,42 @@ fn a_rectangle_selects_and_the_clipboard_copies() {
     harness.run();
     assert!(harness.state().panel.message().is_some());
     assert_eq!(text(&harness), LOOK);
+}
+
+#[test]
+fn what_is_cut_comes_back_with_its_occlusion() {
+    let mut harness = harness(Form::Graph);
+    let occlusion = Edit::link("rust", "occlusion", "near");
+    let near = Edit::ao("near", &AoSettings::default());
+    let edits: Vec<Edit> = near.into_iter().chain([occlusion]).collect();
+    let document = &mut harness.state_mut().document;
+    document.apply("occlusion", &edits, None).expect("a look");
+    harness.run();
+    let rust = center(&harness, Role::Button, "node rust");
+    harness.hover_at(rust);
+    harness.run();
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    harness.run();
+    harness.event(Event::Cut);
+    harness.step();
+    let mut commands = harness.output().platform_output.commands.iter();
+    let copied = commands.find_map(|command| match command {
+        egui::OutputCommand::CopyText(text) => Some(text.clone()),
+        _ => None,
+    });
+    let copied = copied.expect("it is in the clipboard");
+    for table in ["[ao.near]", "[node.rust]", "[node.paint]"] {
+        assert!(copied.contains(table), "{copied}");
+    }
+    harness.run();
+    let cut = text(&harness);
+    assert!(!cut.contains("[node."), "{cut}");
+    harness.event(Event::Paste(copied));
+    harness.run();
+    let pasted = text(&harness);
+    assert!(pasted.contains("[node.rust]"), "{pasted}");
+    assert!(pasted.contains("occlusion = \"near\""), "{pasted}");
+    assert_eq!(pasted.matches("[ao.").count(), 1, "{pasted}");
 }
 
 #[test]

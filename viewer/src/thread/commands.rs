@@ -74,10 +74,12 @@ impl Render {
                 self.stop(why);
             }
             Command::Region(region) => {
-                self.region = region;
+                let former = std::mem::replace(&mut self.region, region);
                 self.run.is_done = false;
-                // It is not what the look says now.
-                if let (Some(_), Some(session)) = (self.beside.take(), &mut self.session) {
+                // What lies beside the former one isn't what the look says now, or lacks the samples that the region has got.
+                let is_behind = former.is_some() && former != region;
+                let is_old = self.beside.take().is_some() || is_behind;
+                if let (true, Some(session)) = (is_old, &mut self.session) {
                     session.restart();
                     self.begin_small();
                 }

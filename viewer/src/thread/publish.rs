@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 use engine::display::{Channel, DeviceFilm, Display, DisplaySettings};
 use engine::load::LoadError;
 use engine::renderer::RenderError;
-use engine::scene::Motion;
 use engine::scene::look::LookError;
+use engine::scene::{Moment, Motion};
 use engine::session::SessionError;
 use engine::stats::Doubt;
 use patina_panels::{ModelImage, Textures};
@@ -124,8 +124,7 @@ impl Render {
             ..settings
         };
         let size = [film.width, film.height];
-        let moment = session.moment();
-        let moment = (moment.motion != Motion::Rest).then_some(moment.seconds);
+        let moment = seconds(session.shown_moment());
         let is_picture = settings.channel == Channel::Radiance;
         let factors = self.mixing.factors(session.scene());
         let factors = factors.as_ref().filter(|_| is_picture);
@@ -390,6 +389,11 @@ impl Render {
         };
         lock(&self.board).scene = Arc::new(facts);
     }
+}
+
+/// A moment as the bar of time has it: none while the scene is at rest.
+pub(super) fn seconds(moment: &Moment) -> Option<f64> {
+    (moment.motion != Motion::Rest).then_some(moment.seconds)
 }
 
 /// An error with places, where it has any.

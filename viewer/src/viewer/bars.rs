@@ -2,9 +2,12 @@
 
 use std::sync::Arc;
 
-use egui::{Button, ComboBox, DragValue, KeyboardShortcut, RichText, Slider, ThemePreference, Ui};
+use egui::{
+    Button, ComboBox, DragValue, KeyboardShortcut, RichText, Slider, SliderClamping,
+    ThemePreference, Ui,
+};
 use engine::display::{Channel, DisplaySettings};
-use engine::scene::view::ViewTransform;
+use engine::scene::view::{MAX_EXPOSURE, ViewTransform};
 use patina_panels::asks_for_menu;
 
 use crate::link::{Command, Denoise, DenoiserState, FINE, NOISY, Status};
@@ -16,8 +19,11 @@ use super::{Viewer, call, name};
 /// Textures that are listed.
 const EXPENSIVE: usize = 10;
 
-/// Stops.
+/// Stops of the slider.
 const EXPOSURE: std::ops::RangeInclusive<f32> = -10.0..=10.0;
+/// Digits behind the point that are shown of them, and what is less than a change of the last one: that is rounding.
+const DECIMALS: usize = 2;
+const LEAST_CHANGE: f32 = 0.006;
 
 impl Viewer {
     pub(super) fn tools(&mut self, ui: &mut Ui) {
@@ -288,10 +294,18 @@ impl Viewer {
 
 fn display_settings(ui: &mut Ui, display: &mut DisplaySettings) {
     let label = ui.label("Exposure");
-    let slider = Slider::new(&mut display.view.exposure, EXPOSURE)
-        .fixed_decimals(2)
+    // A copy: what the look says may lie beside the slider, or between its steps, and isn't changed by being shown.
+    let mut exposure = display.view.exposure;
+    let slider = Slider::new(&mut exposure, EXPOSURE)
+        .clamping(SliderClamping::Never)
+        .fixed_decimals(DECIMALS)
         .suffix(" EV");
     let response = ui.add(slider).labelled_by(label.id);
+    // A number field that is left gives back what it showed.
+    let change = (exposure - display.view.exposure).abs();
+    if response.changed() && change > LEAST_CHANGE {
+        display.view.exposure = exposure.clamp(-MAX_EXPOSURE, MAX_EXPOSURE);
+    }
     if response.secondary_clicked() || asks_for_menu(&response) {
         display.view.exposure = 0.0;
     }

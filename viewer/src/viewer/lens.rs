@@ -43,7 +43,16 @@ impl Viewer {
             ui.separator();
             let store = egui::Button::new("Put into the look");
             let is_other = self.viewport.has_own_view();
-            if ui.add_enabled(is_other, store).clicked() {
+            let now = self.viewport.now();
+            let is_parallel = now.is_some_and(|now| {
+                matches!(now.camera().projection, Projection::Orthographic { .. })
+            });
+            let store = ui.add_enabled(is_other && !is_parallel, store);
+            let store = match is_parallel {
+                true => store.on_disabled_hover_text("looks know perspective cameras alone"),
+                false => store,
+            };
+            if store.clicked() {
                 self.store_camera(ui.input(|input| input.time));
             }
         });
@@ -89,6 +98,7 @@ impl Viewer {
                 let mut degrees = y_fov.to_degrees();
                 let drag = egui::DragValue::new(&mut degrees)
                     .range(1.0..=170.0)
+                    .clamp_existing_to_range(false)
                     .suffix("°");
                 if ui.add(drag).labelled_by(label.id).changed() {
                     *y_fov = degrees.to_radians();

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use egui::Ui;
 use engine::scene::{Material, PunctualLight};
-use engine::session::{Document, Edit, Merged, merge};
+use engine::session::{Document, Edit, Merged, merge, summary};
 use patina_panels::{FileDialogs, Form, ModelImage, Previews, SceneView, Textures, TexturesPanel};
 
 use crate::link::{Command, Hit, Link, LookFacts};
@@ -91,11 +91,20 @@ impl Editor {
     fn read_outside(&mut self, facts: &LookFacts) -> Option<Outside> {
         let document = self.document.as_ref()?;
         let was_saved = *document.text() == *self.saved;
-        let merged = merge(document.path(), &self.saved, document.text(), &facts.saved);
+        let mine = document.text().to_owned();
+        let merged = merge(document.path(), &self.saved, &mine, &facts.saved);
         match merged {
             Ok(merged) if merged.conflicts.is_empty() => {
-                self.take_outside(facts, &merged.text);
-                (!was_saved).then_some(Outside::Together)
+                let taken = self.take_outside(facts, &merged.text);
+                match taken {
+                    Ok(()) => (!was_saved).then_some(Outside::Together),
+                    // To save would take the other program's text away: that has to be asked about.
+                    Err(why) => Some(Outside::Conflict(Merged {
+                        text: mine,
+                        theirs_first: merged.text,
+                        conflicts: vec![why],
+                    })),
+                }
             }
             Ok(merged) => Some(Outside::Conflict(merged)),
             // What is no look has not become the saved text.
@@ -104,16 +113,30 @@ impl Editor {
     }
 
     /// Goes on with what has become of the own text and of another program's.
-    pub(super) fn take_outside(&mut self, facts: &LookFacts, text: &str) {
+    ///
+    /// # Errors
+    /// It can't: says why. What the other program has written counts as unknown then.
+    pub(super) fn take_outside(&mut self, facts: &LookFacts, text: &str) -> Result<(), String> {
+        if let Some(document) = &mut self.document {
+            let replaced = document.replace_by_others("change of the file", text);
+            replaced.map_err(|problems| summary(&problems))?;
+            if *facts.text == *text {
+                // The render has it already.
+                document.take_changes();
+            }
+        }
         self.take_saved(facts);
-        if let Some(document) = &mut self.document
-            && document
-                .replace_by_others("change of the file", text)
-                .is_ok()
-            && *facts.text == *text
-        {
-            // The render has it already.
-            document.take_changes();
+        Ok(())
+    }
+
+    /// The scene as it is known without its camera.
+    fn scene(&self) -> SceneView<'_> {
+        SceneView {
+            materials: &self.materials,
+            own: self.own_materials,
+            images: &self.images,
+            lights: &self.lights,
+            camera: None,
         }
     }
 
@@ -279,13 +302,7 @@ impl Viewer {
         let Some(document) = &self.editor.document else {
             return;
         };
-        let scene = SceneView {
-            materials: &self.editor.materials,
-            own: self.editor.own_materials,
-            images: &self.editor.images,
-            lights: &self.editor.lights,
-            camera: None,
-        };
+        let scene = self.editor.scene();
         let place = [hit.position, hit.normal];
         let edits = patina_panels::place_light(document, scene, &light, placing, place);
         self.edit(&format!("place {light}"), &edits, now);
@@ -296,13 +313,7 @@ impl Viewer {
         let Some(document) = &self.editor.document else {
             return Err("there is no look yet".to_owned());
         };
-        let scene = SceneView {
-            materials: &self.editor.materials,
-            own: self.editor.own_materials,
-            images: &self.editor.images,
-            lights: &self.editor.lights,
-            camera: None,
-        };
+        let scene = self.editor.scene();
         let is_lit_by_studio = self.editor.has_stand_in_light();
         patina_panels::relight(document, scene, factors, is_lit_by_studio)
     }
@@ -312,9 +323,18 @@ impl Viewer {
         let (Some(material), Some(hit)) = (self.viewport.dropped.take(), hit) else {
             return;
         };
+        let Some(document) = &self.editor.document else {
+            return self.tell("there is no look yet".to_owned(), true, now);
+        };
         if material != hit.material {
-            let edits = patina_panels::give_material(&hit.material, &material);
-            self.edit(&format!("{material} on {}", hit.material), &edits, now);
+            let scene = self.editor.scene();
+            let textures = &self.editor.textures;
+            let given =
+                patina_panels::give_material(document, textures, scene, &hit.material, &material);
+            match given {
+                Ok(edits) => self.edit(&format!("{material} on {}", hit.material), &edits, now),
+                Err(why) => self.tell(why, true, now),
+            }
         }
     }
 

@@ -196,8 +196,8 @@ impl Viewer {
     fn overwrite_question(&mut self, ui: &Ui) {
         let mut is_answered = false;
         let shown = Modal::new(Id::unique("overwrite")).show(ui.ctx(), |ui| {
-            ui.heading("What another program has saved was undone here");
-            ui.label("To save the look takes it away from the file, too. Redo brings it back.");
+            ui.heading("What another program has saved is missing here");
+            ui.label("To save the look takes it away from the file, too. The history has it.");
             ui.horizontal(|ui| {
                 if ui.button("Save over it").clicked() {
                     is_answered = true;
@@ -251,8 +251,11 @@ impl Viewer {
             return;
         };
         let look = self.link.board().look.clone();
-        if let Some(look) = look {
-            self.editor.take_outside(&look, text);
+        let taken = look.map_or(Ok(()), |look| self.editor.take_outside(&look, text));
+        if let Err(why) = taken {
+            // The other choice is left.
+            self.questions.conflict = Some(conflict);
+            self.tell(why, true, ui.input(|input| input.time));
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Keys, and the list of them.
 
 use egui::{Key, KeyboardShortcut, Modifiers, Popup, RichText, ScrollArea, Ui};
+use engine::scene::view::MAX_EXPOSURE;
 
 use crate::link::{Command, Extent};
 
@@ -171,8 +172,12 @@ impl Viewer {
             "n" => self.toggle_denoise(),
             "g" => self.toggle_walk(),
             "p" => self.link.send(Command::Pause(!self.status.is_paused)),
-            "[" => display.view.exposure -= STOP,
-            "]" => display.view.exposure += STOP,
+            "[" | "]" => {
+                let stops = if text == "]" { STOP } else { -STOP };
+                let exposure = display.view.exposure + stops;
+                // A look takes no more.
+                display.view.exposure = exposure.clamp(-MAX_EXPOSURE, MAX_EXPOSURE);
+            }
             "0" => display.view.exposure = 0.0,
             digit => {
                 let number = digit.parse::<usize>().ok().and_then(|n| n.checked_sub(1));

@@ -18,6 +18,16 @@ pub(super) struct Timeline {
     playing: Option<f64>,
 }
 
+impl Timeline {
+    /// A moment that stays.
+    pub(super) fn at(seconds: Option<f64>) -> Self {
+        Self {
+            seconds,
+            playing: None,
+        }
+    }
+}
+
 impl Viewer {
     /// Time as a slider, where an animation lasts so long.
     pub(super) fn timeline(&mut self, ui: &mut Ui, end: f64, now: f64) {

@@ -1,12 +1,15 @@
 //! Files that are dropped onto the window.
 
 use std::path::Path;
+use std::sync::Arc;
 
-use egui::{Key, Modifiers};
+use egui::accesskit::Role;
+use egui::{Key, Modifiers, PointerButton};
 use egui_kittest::kittest::Queryable;
-use patina_viewer::link::{Command, LookFacts};
+use engine::scene::Material;
+use patina_viewer::link::{Command, Hit, LookFacts, PickPurpose, Reply};
 
-use super::Stage;
+use super::{Stage, brass};
 
 #[test]
 fn dropped_files_are_opened_used_or_refused() {
@@ -117,4 +120,62 @@ fn a_picture_that_is_dropped_becomes_what_one_says() {
         "{}",
         change.text()
     );
+}
+
+#[test]
+fn a_material_dropped_on_the_model_leaves_a_look_that_can_be_used() {
+    // Rust is the look's own, and part of Iron; Steel is made of Brass.
+    const LOOK: &str = "[material.Iron]\nblend = { base = 'Iron', over = 'Rust', mask = 0.5 }\n\n\
+        [material.Rust]\nroughness = 1.0\n\n\
+        [material.Steel]\nblend = { base = 'Steel', over = 'Brass', mask = 0.5 }\n";
+    let mut stage = Stage::new();
+    let material = |name: &str| Material {
+        name: name.to_owned(),
+        ..Material::default()
+    };
+    let own = ["Iron", "Steel", "Brass"];
+    let all = own.iter().chain(&["Rust"]);
+    stage.board.lock().unwrap().look = Some(LookFacts {
+        text: LOOK.into(),
+        saved: LOOK.into(),
+        outside: 1,
+        materials: Arc::new(all.map(|name| material(name)).collect()),
+        own_materials: own.len(),
+        ..LookFacts::default()
+    });
+    stage.harness.run_steps(3);
+    stage.click("All materials");
+    stage.harness.run_steps(12);
+    stage.sent();
+    let mut drop_on = |material: &str| {
+        let start = stage
+            .harness
+            .get_by_role_and_label(Role::Button, "Show Steel");
+        let (start, end) = (start.rect().center(), stage.center());
+        stage.drag(start, end, PointerButton::Primary);
+        let sent = stage.sent();
+        let is_drop = |c: &Command| matches!(c, Command::Pick(_, PickPurpose::Drop));
+        assert!(sent.iter().any(is_drop), "{sent:?}");
+        stage.reply(Reply::Picked {
+            purpose: PickPurpose::Drop,
+            hit: Some(Hit {
+                material: material.to_owned(),
+                ..brass(1.0)
+            }),
+        });
+        stage.sent()
+    };
+    // It would be made of itself.
+    let sent = drop_on("Brass");
+    assert!(sent.is_empty(), "{sent:?}");
+    // What nothing is made of any more goes.
+    let sent = drop_on("Iron");
+    let [Command::Change(change, _)] = &sent[..] else {
+        panic!("{sent:?}");
+    };
+    let text = change.text();
+    assert!(text.contains("over = 'Steel'"), "{text}");
+    assert!(!text.contains("Rust"), "{text}");
+    let why = "`Steel` is made of `Brass` already";
+    assert!(stage.harness.query_by_label(why).is_some());
 }

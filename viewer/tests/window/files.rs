@@ -320,3 +320,55 @@ fn closing_asks_about_a_picture_that_is_being_finished() {
     stage.board.lock().unwrap().status.saving = None;
     assert!(closes(&mut stage, false));
 }
+
+/// A choice that alone is no look is that side as a whole.
+#[test]
+fn what_another_program_has_saved_can_be_taken_in_any_case() {
+    let spot = |inner: f32, outer: f32| {
+        format!(
+            "[light.s]\ntype = 'spot'\nposition = [0, 1, 0]\ninner_cone_angle = {inner:?}\nouter_cone_angle = {outer:?}\n"
+        )
+    };
+    let text = |stage: &mut Stage| {
+        let document = stage.harness.state_mut().document_mut();
+        document.expect("a look").text().to_owned()
+    };
+    let (mine, theirs) = (spot(30.0, 50.0), spot(10.0, 20.0));
+    for (choice, expected) in [
+        ("Take the file's there", &theirs),
+        ("Keep mine there", &mine),
+    ] {
+        let mut stage = Stage::new();
+        let look = |text: &str, saved: &str, outside: u64, heard: u64| LookFacts {
+            text: text.into(),
+            saved: saved.into(),
+            outside,
+            heard,
+            ..LookFacts::default()
+        };
+        let base = spot(10.0, 40.0);
+        stage.board.lock().unwrap().look = Some(look(&base, &base, 1, 0));
+        stage.harness.run_steps(3);
+        let document = stage.harness.state_mut().document_mut();
+        let document = document.expect("a look");
+        document.replace("mine", &mine).expect("a look");
+        stage.harness.run_steps(2);
+        let is_first = |command: &Command| matches!(command, Command::Change(_, 1));
+        assert!(stage.sent().iter().any(is_first));
+        stage.board.lock().unwrap().look = Some(look(&mine, &theirs, 2, 1));
+        stage.harness.run_steps(3);
+        assert!(
+            stage
+                .harness
+                .query_by_label("[light.s] outer_cone_angle")
+                .is_some()
+        );
+        stage.click(choice);
+        assert_eq!(&text(&mut stage), expected);
+        assert!(stage.harness.query_by_label(choice).is_none());
+        // It has been decided, and is saved without another question.
+        stage.sent();
+        stage.press(Modifiers::COMMAND, Key::S);
+        assert!(matches!(stage.sent()[..], [Command::Save(None)]));
+    }
+}

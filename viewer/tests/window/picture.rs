@@ -80,6 +80,54 @@ fn what_the_look_says_of_the_view_is_shown_and_edited_there() {
 }
 
 #[test]
+fn an_exposure_of_the_look_is_not_changed_by_being_shown() {
+    let mut stage = Stage::new();
+    let edit = |stage: &mut Stage, stops: f32| {
+        let edit = Edit::view("exposure", Value::number(stops));
+        let document = stage.harness.state_mut().document_mut();
+        let applied = document.expect("a look").apply("view", &[edit], None);
+        applied.expect("an edit");
+        stage.harness.run_steps(4);
+    };
+    let text = |stage: &mut Stage| {
+        let document = stage.harness.state_mut().document_mut();
+        document.expect("a look").text().to_owned()
+    };
+    // Beside the slider, and between its steps.
+    for stops in [-15.3, 0.125, 32.0] {
+        edit(&mut stage, stops);
+        let written = text(&mut stage);
+        assert!(
+            written.contains(&format!("exposure = {stops:?}")),
+            "{written}"
+        );
+        let sent = stage.sent();
+        let shown = sent.iter().rev().find_map(|command| match command {
+            Command::Display(settings) => Some(settings.view.exposure),
+            _ => None,
+        });
+        assert_eq!(shown, Some(stops));
+    }
+    // The brightest that there is.
+    stage.type_text("]");
+    assert!(text(&mut stage).contains("exposure = 32.0"));
+    let document = stage.harness.state_mut().document_mut().expect("a look");
+    assert!(document.undo() && document.undo());
+    stage.harness.run_steps(4);
+    let undone = text(&mut stage);
+    assert!(undone.contains("exposure = -15.3"), "{undone}");
+    // It is moved where it is meant to be.
+    let slider = stage
+        .harness
+        .get_by_role_and_label(Role::Slider, "Exposure");
+    let start = slider.rect().center();
+    let end = start + egui::vec2(4.0, 0.0);
+    stage.drag(start, end, PointerButton::Primary);
+    let moved = text(&mut stage);
+    assert!(!moved.contains("exposure = -15.3"), "{moved}");
+}
+
+#[test]
 fn noise_is_taken_out_where_there_is_something_that_does() {
     let mut stage = Stage::new();
     let state = |stage: &mut Stage, state: DenoiserState| {
