@@ -237,15 +237,17 @@ pub(crate) fn shares(moments: u32, spp: u32, samples: &Range<u32>) -> Vec<u32> {
         .collect()
 }
 
-/// The name of a frame's file: the number takes the place of `####`, or stands before the ending.
+/// The name of a frame's file: the number takes the place of `####`, of any two or more (the last ones, where there are several),
+/// or stands before the ending.
 pub(crate) fn numbered(path: &Path, number: u32) -> PathBuf {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
-    let start = name.find('#');
-    let digits = |start: usize| name[start..].bytes().take_while(|&c| c == b'#').count();
-    let file = match start {
-        Some(start) => {
-            let count = digits(start);
-            let (before, after) = (&name[..start], &name[start + count..]);
+    // One alone is a sign like others, as in `shot#3`.
+    let place = name.rfind("##").map(|last| {
+        let before = name[..last].trim_end_matches('#');
+        (before, &name[last + 2..], last + 2 - before.len())
+    });
+    let file = match place {
+        Some((before, after, count)) => {
             format!("{before}{number:0count$}{after}")
         }
         None => {
@@ -399,5 +401,8 @@ mod tests {
         assert_eq!(named("f##_x.png", 7), Path::new("f07_x.png"));
         assert_eq!(named("out", 7), Path::new("out.0007"));
         assert_eq!(named("#/out.####.png", 7), Path::new("#/out.0007.png"));
+        assert_eq!(named("shot#3-###.png", 7), Path::new("shot#3-007.png"));
+        assert_eq!(named("##_##.png", 7), Path::new("##_07.png"));
+        assert_eq!(named("take#2.png", 7), Path::new("take#2.0007.png"));
     }
 }

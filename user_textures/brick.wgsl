@@ -5,15 +5,15 @@
 /// @param color2           colour of other bricks [color] = #7a3524
 /// @param mortar           colour between them [color] = #b8b0a4
 /// @param scale            bricks are scaled by this, per unit of uv [0.1 .. 100] [log] = 5
-/// @param mortar_size      width of the mortar [0 .. 0.25] = 0.02
+/// @param mortar_size      width of the mortar, of which Blender's number is half [0 .. 0.25] = 0.02
 /// @param mortar_smooth    how soft it ends [0 .. 1] = 0.1
 /// @param bias             more of the first colour below 0, of the second above [-1 .. 1] = 0
 /// @param brick_width      width [0.01 .. 10] [soft 0.1 .. 2] = 0.5
 /// @param row_height       height [0.01 .. 10] [soft 0.1 .. 2] = 0.25
 /// @param offset           shift of some rows, in bricks [0 .. 1] = 0.5
-/// @param offset_frequency every so many rows are shifted [1 .. 99] = 2
+/// @param offset_frequency one of so many rows is shifted [1 .. 99] = 2
 /// @param squash           width of bricks in some rows, as a factor [0.1 .. 10] = 1
-/// @param squash_frequency every so many rows are [1 .. 99] = 2
+/// @param squash_frequency one of so many rows is [1 .. 99] = 2
 fn userProc(
     texcoord: vec4f,
     color1: vec3f,
@@ -34,10 +34,10 @@ fn userProc(
     let pixel = texcoord.w * scale;
     let height = max(row_height, 1e-3);
     let row = floor(p.y / height);
-    let squashed = modulo(row, f32(max(squash_frequency, 1u))) >= 1.0;
-    let width = max(brick_width, 1e-3) * select(squash, 1.0, squashed || squash_frequency < 2u);
-    let shifted = modulo(row, f32(max(offset_frequency, 1u))) >= 1.0;
-    let x = p.x + select(0.0, offset * width, shifted && offset_frequency > 1u);
+    let squashed = modulo(row, f32(max(squash_frequency, 1u))) < 1.0;
+    let width = max(brick_width, 1e-3) * select(1.0, squash, squashed);
+    let shifted = modulo(row, f32(max(offset_frequency, 1u))) < 1.0;
+    let x = p.x + select(0.0, offset * width, shifted);
     let column = floor(x / width);
     let inside = vec2f(x - column * width, p.y - row * height);
     let border = min(min(inside.x, width - inside.x), min(inside.y, height - inside.y));

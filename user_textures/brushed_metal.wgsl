@@ -10,17 +10,23 @@
 fn userProc(texcoord: vec4f, scale: f32, length: f32, angle: f32, round: bool, contrast: f32) -> f32 {
     let d = texcoord.xy - 0.5;
     let distance = sqrt(max(dot(d, d), 1e-10));
-    let circle = vec2f(atan2(d.y, d.x) * 0.15915494, distance);
-    let p = select(rotate2D(texcoord.xy, -angle), circle, round);
+    // A groove is six cells of noise long, on a circle that closes.
+    let around = d / distance * 0.95492966;
+    let p = rotate2D(texcoord.xy, -angle);
     let pixel = texcoord.w * scale;
     var sum = 0.0;
     var weight = 0.0;
     for (var layer = 0; layer < 4; layer++) {
         let frequency = scale * pow(0.5, f32(layer));
         let amplitude = pow(0.8, f32(layer));
-        let along = select(p.x * frequency / max(length, 1.0), p.x * 6.0, round);
-        let q = vec2f(along + 13.7 * f32(layer), p.y * frequency);
-        sum += amplitude * octaveSeen(pixel * pow(0.5, f32(layer))) * valueNoise2D(q);
+        let other = 13.7 * f32(layer);
+        var groove = 0.0;
+        if (round) {
+            groove = valueNoise3D(vec3f(around + other, distance * frequency));
+        } else {
+            groove = valueNoise2D(vec2f(p.x * frequency / max(length, 1.0) + other, p.y * frequency));
+        }
+        sum += amplitude * octaveSeen(pixel * pow(0.5, f32(layer))) * groove;
         weight += amplitude;
     }
     return saturate(0.5 + 0.9 * contrast * sum / weight);

@@ -57,6 +57,16 @@ pub enum DeviceError {
         "the graphics device has too little memory left; end what else uses it, or take a smaller picture or scene, or `--device native`"
     )]
     OutOfMemory,
+    /// The processor's memory is used up.
+    #[error(
+        "the memory has no room left for {what}, {bytes} bytes; end what else uses it, or take a smaller picture, fewer layers, or `--memory`"
+    )]
+    NoRoom {
+        /// What does not fit.
+        what: String,
+        /// Bytes.
+        bytes: u64,
+    },
     /// The device is gone, and all that was on it: open another one.
     #[error("the graphics device was lost: {0}")]
     Lost(String),

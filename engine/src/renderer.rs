@@ -136,7 +136,9 @@ fn while_it_fits<T>(
         let is_too_much = matches!(
             allocated,
             Err(ScheduleError::Device(
-                DeviceError::OutOfMemory | DeviceError::TooLarge { .. }
+                DeviceError::OutOfMemory
+                    | DeviceError::NoRoom { .. }
+                    | DeviceError::TooLarge { .. }
             ))
         );
         if !is_too_much || most <= LEAST_SLOTS {

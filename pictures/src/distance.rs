@@ -14,7 +14,7 @@ const RELATIVE_TO: f64 = 0.01;
 /// infinite; numbers that are not finite are `null` in JSON.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Distance {
-    /// Mean of squared differences, over all channels.
+    /// Mean of squared differences, over all channels: alpha among them where both layers have it.
     pub mse: f64,
     /// Mean of squared differences, each divided by the square of the reference and 0.01.
     pub relative_mse: f64,
@@ -23,7 +23,8 @@ pub struct Distance {
     /// Share of the pixels that are not the same.
     pub changed: f64,
     /// Peak signal-to-noise ratio of the colours that are shown, 0 to 1 and encoded as sRGB, decibels: infinite where there is no
-    /// difference, minus infinity where a difference is infinite. Of layers of colours only, like [`Self::flip`].
+    /// difference, minus infinity where a difference is infinite. Of layers of colours only, like [`Self::flip`]; where both have alpha
+    /// they are in front of grey.
     pub psnr: Option<f64>,
     /// Mean of [`flip`], 0 to 1; infinite where a difference is.
     pub flip: Option<f64>,
@@ -56,9 +57,12 @@ impl Distance {
             let names: Vec<_> = layer.channels.iter().map(|c| c.name.as_str()).collect();
             names.join(", ")
         };
-        if names(layer) != names(reference) {
+        let are_colors = layer.is_color() && reference.is_color();
+        if !are_colors && names(layer) != names(reference) {
             return Err(DistanceError::Channels(names(layer), names(reference)));
         }
+        // What only one of them has can't be compared.
+        let channels = layer.channels.len().min(reference.channels.len());
         let pixels = layer.size[0] * layer.size[1];
         let (mut squares, mut relative, mut largest) = (0.0, 0.0, 0.0_f64);
         let mut differences = vec![0.0_f64; pixels];
@@ -75,7 +79,7 @@ impl Distance {
                 *of_pixel = of_pixel.max(difference);
             }
         }
-        let numbers = (pixels * layer.channels.len()) as f64;
+        let numbers = (pixels * channels) as f64;
         let changed = differences.iter().filter(|&&d| d > 0.0).count();
         let mut distance = Self {
             mse: squares / numbers,
@@ -86,7 +90,9 @@ impl Distance {
             flip: None,
             map: Vec::new(),
         };
-        let shown = (layer.displayed(exposure)).zip(reference.displayed(exposure));
+        let alphas = layer.alpha().zip(reference.alpha()).unzip();
+        let shown = layer.displayed(exposure, alphas.0);
+        let shown = shown.zip(reference.displayed(exposure, alphas.1));
         match shown {
             Some((here, there)) => {
                 distance.map = flip::map(layer.size, &there, &here);
@@ -202,6 +208,28 @@ mod tests {
         let broken = Distance::between(&nothing, &black, 0.0).expect("alike");
         assert_eq!(broken.flip, Some(f64::INFINITY));
         assert_eq!(broken.map, [1.0]);
+    }
+
+    #[test]
+    fn alpha_counts_where_both_have_it() {
+        let layer = |alpha: Option<f32>| {
+            let names = ["R", "G", "B", "A"].into_iter();
+            let values = [Some(0.1), Some(0.2), Some(0.3), alpha];
+            let channel = |(name, value): (&str, Option<f32>)| {
+                let (name, values) = (name.to_owned(), vec![value?]);
+                Some(Channel { name, values })
+            };
+            let channels = names.zip(values).filter_map(channel);
+            Layer::new(String::new(), [1, 1], channels.collect())
+        };
+        let distance = |a, b| Distance::between(&layer(a), &layer(b), 0.0).expect("alike");
+        let both = distance(Some(0.5), Some(1.0));
+        assert_eq!((both.mse, both.changed), (0.0625, 1.0));
+        assert!(both.flip > Some(0.0) && both.psnr < Some(30.0), "{both:?}");
+        let one = distance(None, Some(0.5));
+        assert_eq!((one.mse, one.changed, one.flip), (0.0, 0.0, Some(0.0)));
+        let none = distance(Some(f32::NAN), Some(0.5));
+        assert_eq!(none.flip, Some(f64::INFINITY));
     }
 
     #[test]

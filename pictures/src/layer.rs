@@ -14,7 +14,8 @@ pub struct Layer {
     pub name: String,
     /// Columns and rows.
     pub size: [usize; 2],
-    /// Red, green and blue come first and in this order, where the layer has them; then there is no other one.
+    /// Red, green and blue come first and in this order, where the layer has them; then there is none beside them but alpha, by which they
+    /// are multiplied.
     pub channels: Vec<Channel>,
 }
 
@@ -29,6 +30,10 @@ pub struct Channel {
 
 /// Channels of colours.
 const RGB: [&str; 3] = ["R", "G", "B"];
+/// What colours cover of their pixel.
+const ALPHA: &str = "A";
+/// What is behind pictures that don't cover all: the grey in the middle of a screen's codes, linear.
+const BEHIND: f32 = 0.214;
 /// What Patina and Blender call the picture itself.
 const COMBINED: &str = "Combined";
 
@@ -76,7 +81,8 @@ impl Layer {
         }
     }
 
-    /// A layer of some channels, each with width times height numbers: where there are red, green and blue, nothing else is kept.
+    /// A layer of some channels, each with width times height numbers: where there are red, green and blue, nothing but alpha is kept beside
+    /// them.
     pub fn new(name: String, size: [usize; 2], mut channels: Vec<Channel>) -> Self {
         let place = |wanted: &str| {
             // In small letters they are ids: Cryptomatte's.
@@ -87,7 +93,10 @@ impl Layer {
                 name: std::mem::take(&mut channels[at].name),
                 values: std::mem::take(&mut channels[at].values),
             };
-            channels = vec![channel(r), channel(g), channel(b)];
+            let colors = [channel(r), channel(g), channel(b)];
+            channels.retain(|channel| channel.name == ALPHA);
+            channels.truncate(1);
+            channels.splice(0..0, colors);
         }
         Self {
             name,
@@ -99,7 +108,13 @@ impl Layer {
     /// Whether it is one of colours.
     pub fn is_color(&self) -> bool {
         let names = self.channels.iter().map(|channel| channel.name.as_str());
-        names.eq(RGB)
+        names.take(RGB.len()).eq(RGB)
+    }
+
+    /// How much of each pixel colours cover, where the layer says it.
+    pub fn alpha(&self) -> Option<&[f32]> {
+        let alpha = self.channels.get(RGB.len()).filter(|_| self.is_color());
+        alpha.map(|channel| channel.values.as_slice())
     }
 
     /// For people.
@@ -110,19 +125,23 @@ impl Layer {
         }
     }
 
-    /// Pixels of colours, shown on a screen: brighter by so many stops, and 0 to 1; what is no number is black. `None` where the
-    /// layer is none of colours.
-    pub(crate) fn displayed(&self, exposure: f32) -> Option<Vec<[f32; 3]>> {
-        let [r, g, b] = self.channels.as_slice() else {
+    /// Pixels of colours, shown on a screen: brighter by so many stops, and 0 to 1; what is no number is black. With `alpha` what they
+    /// cover is taken for it, and grey is behind them. `None` where the layer is none of colours.
+    pub(crate) fn displayed(&self, exposure: f32, alpha: Option<&[f32]>) -> Option<Vec<[f32; 3]>> {
+        let [r, g, b, ..] = self.channels.as_slice() else {
             return None;
         };
         let gain = exposure.exp2();
-        let shown = |value: f32| match value.is_nan() {
-            true => 0.0,
-            false => (value * gain).clamp(0.0, 1.0),
+        let behind = |at: usize| {
+            let covered = alpha.map_or(1.0, |alpha| alpha[at]);
+            BEHIND * (1.0 - covered).clamp(0.0, 1.0)
         };
-        let pixels = r.values.iter().zip(&g.values).zip(&b.values);
-        let pixels = pixels.map(|((&r, &g), &b)| [r, g, b].map(shown));
+        let shown = |value: f32, behind: f32| match (value.is_nan(), behind.is_nan()) {
+            (false, false) => (value * gain + behind).clamp(0.0, 1.0),
+            _ => 0.0,
+        };
+        let pixels = r.values.iter().zip(&g.values).zip(&b.values).enumerate();
+        let pixels = pixels.map(|(at, ((&r, &g), &b))| [r, g, b].map(|v| shown(v, behind(at))));
         self.is_color().then(|| pixels.collect())
     }
 
@@ -152,14 +171,17 @@ mod tests {
     }
 
     #[test]
-    fn colours_come_in_their_order_and_without_alpha() {
+    fn colours_come_in_their_order_and_alpha_behind_them() {
         let color = layer("a", "ABGR");
         assert!(color.is_color());
         let values: Vec<_> = color.channels.iter().map(|c| c.values[0]).collect();
-        assert_eq!(values, [3.0, 2.0, 1.0]);
+        assert_eq!(values, [3.0, 2.0, 1.0, 0.0]);
+        assert_eq!(color.alpha(), Some(&[0.0][..]));
+        let others = layer("a", "XBGRZ");
+        assert!(others.is_color() && others.channels.len() == 3 && others.alpha().is_none());
         assert!(!layer("CryptoObject00", "abgr").is_color());
         let vector = layer("a", "XYZ");
-        assert!(!vector.is_color() && vector.displayed(0.0).is_none());
+        assert!(!vector.is_color() && vector.displayed(0.0, None).is_none());
         assert_eq!(vector.channels.len(), 3);
     }
 

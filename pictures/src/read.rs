@@ -7,7 +7,7 @@ use image::codecs::hdr::HdrDecoder;
 use image::{DynamicImage, ImageDecoder, ImageReader, Limits};
 
 use crate::error::{MAX_SIDE, PictureError, check_size};
-use crate::{Layer, Picture, exr};
+use crate::{Channel, Layer, Picture, exr};
 
 /// Formats by how their files begin.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -30,7 +30,7 @@ impl Kind {
 }
 
 impl Picture {
-    /// Reads a file's contents. 8 and 16 bits are taken for sRGB, floats for linear.
+    /// Reads a file's contents. 8 and 16 bits are taken for sRGB, whose colours aren't multiplied by alpha yet; floats for linear.
     ///
     /// # Errors
     /// It is no picture, a damaged one, or larger than is read.
@@ -79,11 +79,28 @@ fn pixels(decoder: impl ImageDecoder, bytes: usize) -> Result<Picture, PictureEr
         true => |value| value,
         false => srgb_to_linear,
     };
-    let values = picture.into_rgb32f().into_raw();
-    let (rgb, _) = values.as_chunks::<3>();
-    let rgb: Vec<[f32; 3]> = rgb.iter().map(|rgb| rgb.map(linear)).collect();
+    if !picture.color().has_alpha() {
+        let values = picture.into_rgb32f().into_raw();
+        let (rgb, _) = values.as_chunks::<3>();
+        let rgb: Vec<[f32; 3]> = rgb.iter().map(|rgb| rgb.map(linear)).collect();
+        return Ok(Picture {
+            layers: vec![Layer::rgb("", size, &rgb)],
+        });
+    }
+    let values = picture.into_rgba32f().into_raw();
+    let (rgba, _) = values.as_chunks::<4>();
+    let channel = |(at, name): (usize, &str)| Channel {
+        name: name.to_owned(),
+        values: (rgba.iter())
+            .map(|rgba| match at {
+                3 => rgba[3],
+                _ => linear(rgba[at]) * rgba[3],
+            })
+            .collect(),
+    };
+    let channels = ["R", "G", "B", "A"].into_iter().enumerate().map(channel);
     Ok(Picture {
-        layers: vec![Layer::rgb("", size, &rgb)],
+        layers: vec![Layer::new(String::new(), size, channels.collect())],
     })
 }
 
@@ -132,6 +149,15 @@ mod tests {
         let layer = picture.shown().expect("one");
         let pixel: Vec<_> = layer.channels.iter().map(|c| c.values[0]).collect();
         assert_eq!(pixel, [4.0, 0.5, 0.0]);
+        let half = image::RgbaImage::from_pixel(2, 2, image::Rgba([188, 0, 255, 51]));
+        let png = encoded(&DynamicImage::ImageRgba8(half), ImageFormat::Png);
+        let picture = Picture::read(&png).expect("a picture");
+        let layer = picture.shown().expect("one");
+        let pixel: Vec<_> = layer.channels.iter().map(|c| c.values[0]).collect();
+        for (found, wanted) in pixel.iter().zip([0.502_886 * 0.2, 0.0, 0.2, 0.2]) {
+            assert!((found - wanted).abs() < 1e-5, "{pixel:?}");
+        }
+        assert_eq!(layer.alpha(), Some(&[0.2; 4][..]));
         let other_name = [&b"#?RGBE"[..], &hdr[b"#?RADIANCE".len()..]].concat();
         assert_eq!(Picture::read(&other_name).expect("the same"), picture);
     }

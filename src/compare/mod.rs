@@ -31,6 +31,9 @@ pub(crate) fn run(job: &CompareJob) -> Result<(), Failure> {
             job.reference.display()
         ))
     })?;
+    if let (Some(_), None) | (None, Some(_)) = (layer.alpha(), reference.alpha()) {
+        console::warning("alpha isn't compared: only one of the pictures has it");
+    }
     let [width, height] = layer.size;
     if let Some(diff) = &job.diff {
         // Sides have at most 32768 pixels.

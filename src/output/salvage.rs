@@ -1,11 +1,14 @@
 //! Samples whose picture could not be written are not lost: the film is kept where there is room, and the command that makes
 //! the picture of it is told.
 
+use std::collections::BTreeMap;
 use std::env;
 use std::path::{Path, PathBuf};
 
 use engine::aside;
 use engine::film::Part;
+use engine::scene::look::{Section, Value};
+use engine::session::Edit;
 
 use crate::words::FILM_EXTENSION;
 
@@ -33,7 +36,8 @@ pub(super) fn keep(part: &Part, lost: &Path) -> Option<PathBuf> {
     })
 }
 
-/// Those of the words of `patina render` that say what is made of the samples: `patina merge` has them too.
+/// Those of the words of `patina render` that say what is made of the samples: `patina merge` has them too. What `--set` says of the view
+/// becomes the flag that says the same.
 pub(crate) fn picture_flags(flags: &[String]) -> Vec<String> {
     const WITH_VALUE: [&str; 8] = [
         "--look",
@@ -46,10 +50,18 @@ pub(crate) fn picture_flags(flags: &[String]) -> Vec<String> {
         "--metadata",
     ];
     let mut words = Vec::new();
+    let mut set = BTreeMap::new();
     let mut flags = flags.iter();
     while let Some(flag) = flags.next() {
         let name = flag.split('=').next().unwrap_or_default();
-        if matches!(flag.as_str(), "--denoise" | "--transparent")
+        if name == "--set" {
+            let given = match flag.split_once('=') {
+                Some((_, given)) => Some(given),
+                None => flags.next().map(String::as_str),
+            };
+            // The last one counts, and the flag itself more than any.
+            set.extend(given.and_then(view_flag));
+        } else if matches!(flag.as_str(), "--denoise" | "--transparent")
             || (WITH_VALUE.contains(&name) && name != flag)
         {
             words.push(flag.clone());
@@ -58,7 +70,48 @@ pub(crate) fn picture_flags(flags: &[String]) -> Vec<String> {
             words.extend(flags.next().cloned());
         }
     }
+    let is_given = |name: &str| {
+        let own = |word: &String| word.split('=').next() == Some(name);
+        words.iter().any(own)
+    };
+    set.retain(|name, _| !is_given(name));
+    let set = set
+        .into_iter()
+        .map(|(name, value)| format!("{name}={value}"));
+    words.extend(set.collect::<Vec<_>>());
     words
+}
+
+/// The flag that says what an edit of the view does, and its value.
+fn view_flag(edit: &str) -> Option<(&'static str, String)> {
+    let Ok(Edit::Set {
+        section: Section::View,
+        key,
+        value,
+    }) = Edit::parse(edit)
+    else {
+        return None;
+    };
+    let flag = match key.as_str() {
+        "exposure" => "--exposure",
+        "transform" => "--view",
+        "white_balance" => "--white-balance",
+        _ => return None,
+    };
+    let number = |value: &Value| match value {
+        Value::Integer(number) => Some(number.to_string()),
+        Value::Float(number) => Some(number.to_string()),
+        _ => None,
+    };
+    let value = match &value {
+        Value::Text(text) => text.clone(),
+        Value::List(numbers) => {
+            let numbers: Option<Vec<String>> = numbers.iter().map(|v| number(&v.value)).collect();
+            numbers?.join(",")
+        }
+        other => number(other)?,
+    };
+    Some((flag, value))
 }
 
 /// The command that writes what could not be written.
@@ -108,6 +161,27 @@ mod tests {
         assert_eq!(
             line,
             "patina merge /tmp/a.kept.patina-film -o b.png --exposure 1.5 --view=agx --denoise"
+        );
+        let line = command(
+            Path::new("a.patina-film"),
+            &[],
+            &[
+                "--set",
+                "view.exposure=2",
+                "--set=view.exposure=-0.5",
+                "--set",
+                "rust.scale=3",
+                "--set",
+                "view.transform='agx'",
+                "--view",
+                "filmic",
+                "--set=view.white_balance=[5000, -12]",
+            ]
+            .map(str::to_owned),
+        );
+        assert_eq!(
+            line,
+            "patina merge a.patina-film --view filmic --exposure=-0.5 --white-balance=5000,-12"
         );
         if !cfg!(windows) {
             assert_eq!(quoted(Path::new("it's $x.png")), "'it'\\''s $x.png'");

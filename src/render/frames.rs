@@ -2,8 +2,8 @@
 
 use std::collections::HashSet;
 use std::fs;
-use std::path::Path;
-use std::time::Instant;
+use std::path::{Path, PathBuf};
+use std::time::{Instant, SystemTime};
 
 use device::Device;
 use engine::session::Session;
@@ -44,6 +44,7 @@ pub(super) fn run(job: &RenderJob) -> Result<(), Failure> {
         let number = frame.number.unwrap_or(0);
         let written = written(&own);
         check(&own, &written)?;
+        let former = kept(&own).map(|path| (path, changed(path)));
         let bar = Bar::read_by(job.progress, &format!("loading frame {number}"));
         let (device, reel) = match &mut studio {
             Some(studio) => studio,
@@ -97,7 +98,12 @@ pub(super) fn run(job: &RenderJob) -> Result<(), Failure> {
         }
         let (outcome, rest) = write(&own, rendered, &view, denoiser.as_ref(), load_seconds);
         outcome?;
-        forget_checkpoint(&own);
+        if let Some((path, before)) = former
+            && (resumes || changed(path) != before)
+        {
+            // One that can't be taken away is in nobody's way.
+            let _ = fs::remove_file(path);
+        }
         if let Rest::Alone(used) = rest {
             session = Some(used);
         }
@@ -122,13 +128,15 @@ fn is_done(job: &RenderJob) -> bool {
     !outputs.pictures.is_empty() && files.all(|path| path.exists())
 }
 
-/// Takes away what was kept of a frame while it was under way, where nobody has asked for it.
-fn forget_checkpoint(job: &RenderJob) {
-    let kept = job.checkpoints.iter().map(|checkpoints| &checkpoints.path);
-    for path in kept.filter(|path| !job.outputs.films.contains(path)) {
-        // One that can't be taken away is in nobody's way.
-        let _ = fs::remove_file(path);
-    }
+/// What is kept of a frame only while it is under way: nobody has asked for it.
+fn kept(job: &RenderJob) -> Option<&PathBuf> {
+    let path = job.checkpoints.as_ref().map(|kept| &kept.path)?;
+    (!job.outputs.films.contains(path)).then_some(path)
+}
+
+/// When a file was written, where there is one: by that a film of an earlier render is known, which isn't ours to take away.
+fn changed(path: &Path) -> Option<SystemTime> {
+    fs::metadata(path).and_then(|file| file.modified()).ok()
 }
 
 impl RenderJob {

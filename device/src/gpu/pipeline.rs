@@ -49,13 +49,28 @@ impl Pipeline {
         let constants: Vec<(&'static str, f64)> = parsed.declared(source.constants).collect();
 
         let _busy = (gpu.activity()).begin(|| format!("compiling the kernel {label}"));
-        let scope = (gpu.device()).push_error_scope(wgpu::ErrorFilter::Validation);
+        // What compilers of drivers refuse, and what texts for them can't be written of, are internal errors; each error goes to a scope
+        // of its own kind, or ends the render.
+        let scopes = [
+            wgpu::ErrorFilter::OutOfMemory,
+            wgpu::ErrorFilter::Internal,
+            wgpu::ErrorFilter::Validation,
+        ]
+        .map(|filter| gpu.device().push_error_scope(filter));
         let (pipeline, layout) = build(gpu, source, parsed.module, &entries, &constants);
-        if let Some(error) = pollster::block_on(scope.pop()) {
-            return Err(DeviceError::Refused {
-                label: label.to_owned(),
-                message: error.to_string(),
-            });
+        // The last one first, and all of them.
+        let errors: Vec<wgpu::Error> = (scopes.into_iter().rev())
+            .filter_map(|scope| pollster::block_on(scope.pop()))
+            .collect();
+        match errors.into_iter().next() {
+            Some(wgpu::Error::OutOfMemory { .. }) => return Err(DeviceError::OutOfMemory),
+            Some(error) => {
+                return Err(DeviceError::Refused {
+                    label: label.to_owned(),
+                    message: error.to_string(),
+                });
+            }
+            None => {}
         }
         Ok(Self {
             label: label.to_owned(),

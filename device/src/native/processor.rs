@@ -349,5 +349,8 @@ pub(crate) fn resource(resource: &Resource<'_>) -> Option<compile::Resource> {
 }
 
 fn out_of_memory(label: &str, error: OutOfMemory) -> DeviceError {
-    DeviceError::Driver(format!("{label}: {error}"))
+    DeviceError::NoRoom {
+        what: label.to_owned(),
+        bytes: error.bytes,
+    }
 }
