@@ -237,17 +237,16 @@ pub(crate) fn shares(moments: u32, spp: u32, samples: &Range<u32>) -> Vec<u32> {
         .collect()
 }
 
-/// The name of a frame's file: the number takes the place of `####`, of any two or more (the last ones, where there are several),
-/// or stands before the ending.
+/// The name of a frame's file: the number takes the place of `####`, the longest row of these (of equal ones the last), or stands
+/// before the ending.
 pub(crate) fn numbered(path: &Path, number: u32) -> PathBuf {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
-    // One alone is a sign like others, as in `shot#3`.
-    let place = name.rfind("##").map(|last| {
-        let before = name[..last].trim_end_matches('#');
-        (before, &name[last + 2..], last + 2 - before.len())
-    });
-    let file = match place {
-        Some((before, after, count)) => {
+    let digits = |start: usize| name[start..].bytes().take_while(|&c| c == b'#').count();
+    let rows = name.match_indices('#').map(|(start, _)| start);
+    let file = match rows.max_by_key(|&start| (digits(start), start)) {
+        Some(start) => {
+            let count = digits(start);
+            let (before, after) = (&name[..start], &name[start + count..]);
             format!("{before}{number:0count$}{after}")
         }
         None => {
@@ -403,6 +402,6 @@ mod tests {
         assert_eq!(named("#/out.####.png", 7), Path::new("#/out.0007.png"));
         assert_eq!(named("shot#3-###.png", 7), Path::new("shot#3-007.png"));
         assert_eq!(named("##_##.png", 7), Path::new("##_07.png"));
-        assert_eq!(named("take#2.png", 7), Path::new("take#2.0007.png"));
+        assert_eq!(named("f#.png", 12), Path::new("f12.png"));
     }
 }

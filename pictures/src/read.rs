@@ -149,6 +149,12 @@ mod tests {
         let layer = picture.shown().expect("one");
         let pixel: Vec<_> = layer.channels.iter().map(|c| c.values[0]).collect();
         assert_eq!(pixel, [4.0, 0.5, 0.0]);
+        let other_name = [&b"#?RGBE"[..], &hdr[b"#?RADIANCE".len()..]].concat();
+        assert_eq!(Picture::read(&other_name).expect("the same"), picture);
+    }
+
+    #[test]
+    fn colours_are_multiplied_by_alpha() {
         let half = image::RgbaImage::from_pixel(2, 2, image::Rgba([188, 0, 255, 51]));
         let png = encoded(&DynamicImage::ImageRgba8(half), ImageFormat::Png);
         let picture = Picture::read(&png).expect("a picture");
@@ -158,8 +164,6 @@ mod tests {
             assert!((found - wanted).abs() < 1e-5, "{pixel:?}");
         }
         assert_eq!(layer.alpha(), Some(&[0.2; 4][..]));
-        let other_name = [&b"#?RGBE"[..], &hdr[b"#?RADIANCE".len()..]].concat();
-        assert_eq!(Picture::read(&other_name).expect("the same"), picture);
     }
 
     #[test]

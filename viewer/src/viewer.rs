@@ -395,6 +395,8 @@ impl Viewer {
         for reply in replies {
             self.hear(reply, now);
         }
+        // What was edited by them is no change of the file's, either.
+        self.flush_edits();
         if let Some(look) = look {
             let path = self.scene.files.look.clone().unwrap_or_default();
             match self.editor.read(&look, &path) {

@@ -3,12 +3,15 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use glam::{Affine3A, Vec3};
 use texgen::SourceFile;
 
 use crate::procedural::{Procedural, TextureSources};
 use crate::scene::import::{Imported, Importer};
 use crate::scene::look::{Look, LookError};
-use crate::scene::{Animation, Camera, Image, Material, Moment, Motion, Scene, default_camera};
+use crate::scene::{
+    Animation, Camera, Image, Instance, Material, Mesh, Moment, Motion, Scene, default_camera,
+};
 use crate::system::Assets;
 
 use super::{Applied, EnvironmentMaker, LoadError, Loaded, apply, finish};
@@ -117,9 +120,12 @@ impl Timeline {
             warnings,
         } = self.stage(moment, still.as_ref())?;
         if scene.instances.is_empty() {
-            return Err(LoadError::Empty {
-                path: self.path.clone(),
-            });
+            if moment.motion == Motion::Rest {
+                return Err(LoadError::Empty {
+                    path: self.path.clone(),
+                });
+            }
+            place_nothing(&mut scene);
         }
         let names = names(&scene);
         let procedural = match &self.former {
@@ -214,4 +220,27 @@ impl Former {
 fn names(scene: &Scene) -> Vec<String> {
     let materials = scene.materials.iter();
     materials.map(|material| material.name.clone()).collect()
+}
+
+/// What a scene has at a moment when all that moves has no size, as things have that aren't to be seen then: a triangle without an area,
+/// which no ray meets.
+fn place_nothing(scene: &mut Scene) {
+    if scene.materials.is_empty() {
+        scene.materials.push(Material::default());
+    }
+    let mesh = scene.meshes.len() as u32;
+    scene.meshes.push(Mesh {
+        name: "nothing".to_owned(),
+        positions: [0.0, 1.0, 2.0].map(|x| Vec3::X * x).into(),
+        normals: vec![Vec3::Y; 3],
+        triangles: vec![[0, 1, 2]],
+        triangle_materials: vec![0],
+        ..Mesh::default()
+    });
+    scene.instances.push(Instance {
+        name: "nothing".to_owned(),
+        mesh,
+        transform: Affine3A::IDENTITY,
+        asset: None,
+    });
 }

@@ -415,3 +415,74 @@ roughness = 0.0
     let alone = film(&mut started_with(&device, opening, second), 8);
     assert!(found == alone);
 }
+
+/// One square that grows from nothing within a second, as what is not to be seen at first has it.
+const GROWING: &str = r#"{
+  "asset": { "version": "2.0" },
+  "scene": 0,
+  "scenes": [{ "nodes": [0] }],
+  "nodes": [{ "mesh": 0, "scale": [0, 0, 0] }],
+  "materials": [{ "emissiveFactor": [1, 0.5, 0.25], "doubleSided": true }],
+  "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 }, "material": 0 }] }],
+  "animations": [{
+    "channels": [{ "sampler": 0, "target": { "node": 0, "path": "scale" } }],
+    "samplers": [{ "input": 1, "output": 2 }]
+  }],
+  "accessors": [
+    { "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [-1, -1, 0], "max": [1, 1, 0] },
+    { "bufferView": 1, "componentType": 5126, "count": 2, "type": "SCALAR" },
+    { "bufferView": 2, "componentType": 5126, "count": 2, "type": "VEC3" }
+  ],
+  "bufferViews": [
+    { "buffer": 0, "byteLength": 36 },
+    { "buffer": 0, "byteOffset": 36, "byteLength": 8 },
+    { "buffer": 0, "byteOffset": 44, "byteLength": 24 }
+  ],
+  "buffers": [{ "byteLength": 68, "uri": "growing.bin" }]
+}"#;
+
+#[test]
+fn what_is_nowhere_at_a_moment_leaves_the_sky() {
+    let Some(device) = device::open() else { return };
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let corners = [-1.0, -1.0, 0.0, 1.0, -1.0, 0.0, 0.0, 1.0, 0.0];
+    let numbers: Vec<f32> = [&corners[..], &[0.0, 1.0], &[0.0; 3], &[1.0; 3]].concat();
+    let path = |name: &str| folder.path().join(name);
+    fs::write(
+        path("growing.bin"),
+        bytemuck::cast_slice::<f32, u8>(&numbers),
+    )
+    .expect("written");
+    fs::write(path("growing.gltf"), GROWING).expect("written");
+    fs::write(
+        path("a.look.toml"),
+        "environment = { color = [0.5, 0.25, 1] }",
+    )
+    .expect("written");
+    let inputs = Inputs {
+        scene: path("growing.gltf"),
+        look: Some(path("a.look.toml")),
+        textures: Vec::new(),
+        camera: None,
+    };
+    let sequence = Sequence::read(inputs, System::default(), &[]);
+    let mut sequence = sequence.unwrap_or_else(|error| panic!("{error}"));
+    let mut session: Option<Session> = None;
+    for seconds in [0.0, 0.5, 0.0] {
+        let opening = sequence.at(&moment(seconds)).expect("it is read");
+        let mut shown = match session.take() {
+            None => started(&device, opening, seconds, 0),
+            Some(mut session) => {
+                let settings = settings(&opening, seconds, 0);
+                session
+                    .show(opening, &settings, false)
+                    .expect("it is shown");
+                session
+            }
+        };
+        let pixels = film(&mut shown, 4).mean();
+        let is_sky = |rgb: &[f32; 3]| *rgb == [0.5, 0.25, 1.0];
+        assert_eq!(pixels.iter().all(is_sky), seconds == 0.0, "{pixels:?}");
+        session = Some(shown);
+    }
+}
