@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::time::{Instant, SystemTime};
+use std::time::Instant;
 
 use device::Device;
 use engine::session::Session;
@@ -35,16 +35,18 @@ pub(super) fn run(job: &RenderJob) -> Result<(), Failure> {
     let mut told = HashSet::new();
     let mut skipped = 0;
     for &frame in &frames {
-        let own = job.of_frame(frame);
+        let mut own = job.of_frame(frame);
         if resumes && is_done(&own) {
             skipped += 1;
             continue;
+        }
+        if !resumes {
+            spare_others(&mut own);
         }
         let clock = Instant::now();
         let number = frame.number.unwrap_or(0);
         let written = written(&own);
         check(&own, &written)?;
-        let former = kept(&own).map(|path| (path, changed(path)));
         let bar = Bar::read_by(job.progress, &format!("loading frame {number}"));
         let (device, reel) = match &mut studio {
             Some(studio) => studio,
@@ -98,9 +100,7 @@ pub(super) fn run(job: &RenderJob) -> Result<(), Failure> {
         }
         let (outcome, rest) = write(&own, rendered, &view, denoiser.as_ref(), load_seconds);
         outcome?;
-        if let Some((path, before)) = former
-            && (resumes || changed(path) != before)
-        {
+        if let Some(path) = kept(&own) {
             // One that can't be taken away is in nobody's way.
             let _ = fs::remove_file(path);
         }
@@ -134,9 +134,18 @@ fn kept(job: &RenderJob) -> Option<&PathBuf> {
     (!job.outputs.films.contains(path)).then_some(path)
 }
 
-/// When a file was written, where there is one: by that a film of an earlier render is known, which isn't ours to take away.
-fn changed(path: &Path) -> Option<SystemTime> {
-    fs::metadata(path).and_then(|file| file.modified()).ok()
+/// Leaves a film alone that an earlier render has written and that isn't gone on with: the frame has no checkpoint then, for that would
+/// take its place, and be taken away when the frame is done.
+fn spare_others(job: &mut RenderJob) {
+    if let Some(path) = kept(job)
+        && path.exists()
+    {
+        console::warning(&format!(
+            "{} is there already and isn't gone on with, so that this frame has no checkpoint: say --resume, or take it away",
+            path.display()
+        ));
+        job.checkpoints = None;
+    }
 }
 
 impl RenderJob {

@@ -185,6 +185,22 @@ fn frames_that_are_there_are_left_out_by_resume() {
 }
 
 #[test]
+fn films_of_earlier_renders_are_left_alone() {
+    let bench = moving();
+    let line = format!("{SMALL} --frames 0..2 -o f.patina-film");
+    bench.run(&line).expect_code(0);
+    let films = || {
+        ["f.0000.patina-film", "f.0001.patina-film"]
+            .map(|name| fs::read(bench.path(name)).expect("it is there"))
+    };
+    let before = films();
+    let line = format!("{SMALL} --frames 0..2 --seed 5 --checkpoint=0.001 -o f.png");
+    let said = bench.run(&line).expect_code(0).stderr;
+    assert_eq!(said.matches("has no checkpoint").count(), 2, "{said}");
+    assert!(films() == before);
+}
+
+#[test]
 fn an_open_shutter_is_the_sum_of_its_moments_and_of_its_parts() {
     let bench = moving();
     // Paths last: their files are what is compared with below.
