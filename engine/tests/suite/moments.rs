@@ -198,6 +198,18 @@ fn started_with(device: &Device, opening: Opening, settings: RenderSettings) -> 
     session.unwrap_or_else(|error| panic!("{error}"))
 }
 
+/// A session that shows what was read at another moment; a new one at first.
+fn gone_on(former: Option<Session>, device: &Device, opening: Opening, seconds: f64) -> Session {
+    let Some(mut session) = former else {
+        return started(device, opening, seconds, 0);
+    };
+    let settings = settings(&opening, seconds, 0);
+    session
+        .show(opening, &settings, false)
+        .expect("it is shown");
+    session
+}
+
 fn film(session: &mut Session, spp: u32) -> Film {
     while !(session.step(spp))
         .unwrap_or_else(|error| panic!("{error}"))
@@ -227,16 +239,7 @@ fn each_moment_is_as_if_there_were_no_other() {
         let mut former: Option<Film> = None;
         for seconds in TIMES {
             let opening = sequence.at(&moment(seconds)).expect("it is read");
-            let mut shown = match session.take() {
-                None => started(&device, opening, seconds, 0),
-                Some(mut session) => {
-                    let settings = settings(&opening, seconds, 0);
-                    session
-                        .show(opening, &settings, false)
-                        .expect("it is shown");
-                    session
-                }
-            };
+            let mut shown = gone_on(session.take(), &device, opening, seconds);
             let found = film(&mut shown, 4);
             let alone = film(&mut started(&device, stage.at(seconds), seconds, 0), 4);
             let name = &device.description().name;
@@ -470,16 +473,7 @@ fn what_is_nowhere_at_a_moment_leaves_the_sky() {
     let mut session: Option<Session> = None;
     for seconds in [0.0, 0.5, 0.0] {
         let opening = sequence.at(&moment(seconds)).expect("it is read");
-        let mut shown = match session.take() {
-            None => started(&device, opening, seconds, 0),
-            Some(mut session) => {
-                let settings = settings(&opening, seconds, 0);
-                session
-                    .show(opening, &settings, false)
-                    .expect("it is shown");
-                session
-            }
-        };
+        let mut shown = gone_on(session.take(), &device, opening, seconds);
         let pixels = film(&mut shown, 4).mean();
         let is_sky = |rgb: &[f32; 3]| *rgb == [0.5, 0.25, 1.0];
         assert_eq!(pixels.iter().all(is_sky), seconds == 0.0, "{pixels:?}");
