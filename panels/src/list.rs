@@ -221,8 +221,8 @@ fn material_key(ui: &mut Ui, cx: &mut Context<'_>, material: &str, key: &Key) {
     };
     let widget = |ui: &mut Ui, cx: &mut Context<'_>| {
         let set = |cx: &mut Context<'_>, value: Value, response: Option<&Response>| {
-            let edits = material_edits(cx, material, key, value);
-            cx.edit(&label, edits, response);
+            let edit = Edit::material(material, key.key, value);
+            cx.edit(&label, vec![edit], response);
         };
         if let (Takes::Choice(words), Some(Value::Text(word))) = (key.takes, &constant) {
             let Edited { response, value } = choice(ui, &label, word, words);
@@ -260,18 +260,6 @@ fn material_key(ui: &mut Ui, cx: &mut Context<'_>, material: &str, key: &Key) {
             cx.reset_menu(&whole, is_set, &label, vec![clear]);
         }
     }
-}
-
-/// Setting some keys needs another one.
-fn material_edits(cx: &Context<'_>, material: &str, key: &Key, value: Value) -> Vec<Edit> {
-    let section = Section::Material(material.to_owned());
-    let is_missing = |key: &str| cx.document.value(&section, key).is_none();
-    let mut edits = vec![Edit::material(material, key.key, value)];
-    if key.key == "attenuation_color" && is_missing("attenuation_distance") {
-        let distance = Value::number(1.0);
-        edits.push(Edit::material(material, "attenuation_distance", distance));
-    }
-    edits
 }
 
 fn spec_of(key: &Key, label: &str) -> Spec<'static> {

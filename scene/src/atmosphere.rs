@@ -38,12 +38,16 @@ const MIN_ALTITUDE: f32 = 0.002;
 /// Entries of the tables: by height, and by direction.
 const TRANSMITTANCE: (usize, usize) = (64, 256);
 const SCATTERING: (usize, usize) = (32, 32);
+/// Entries by the sun's cosine.
+const SKYLIGHT: usize = 64;
 /// Steps along a ray.
 const SUN_STEPS: u32 = 40;
 const SERIES_STEPS: u32 = 20;
 const VIEW_STEPS: u32 = 32;
 /// Directions of the isotropic series.
 const SERIES_DIRECTIONS: u32 = 64;
+/// Directions by which the sky lights the ground: heights, and azimuths on one side of the sun.
+const SKYLIGHT_DIRECTIONS: (u32, u32) = (8, 8);
 
 /// Air above a ground, lit by a sun of irradiance 1 above the air.
 #[derive(Debug)]
@@ -55,6 +59,9 @@ pub(super) struct Atmosphere {
     /// Light that has been scattered at least twice, for each unit of scattering; rows of one height, by the sun's
     /// zenith angle.
     series: Vec<Vec3>,
+    /// Logarithms of the irradiance of level ground by the sky without the sun, see [`Self::skylight_at`]. Empty until the tables
+    /// that it comes from are there.
+    skylight: Vec<Vec3>,
 }
 
 /// What is in the air at some height.
@@ -72,6 +79,7 @@ impl Atmosphere {
             ground_albedo,
             transmittance: Vec::new(),
             series: Vec::new(),
+            skylight: Vec::new(),
         };
         let (rows, columns) = TRANSMITTANCE;
         air.transmittance = (0..rows * columns)
@@ -96,6 +104,14 @@ impl Atmosphere {
                     GROUND + height.clamp(MIN_ALTITUDE, TOP - GROUND - 0.01),
                     sun,
                 )
+            })
+            .collect();
+        air.skylight = (0..SKYLIGHT)
+            .into_par_iter()
+            .map(|i| {
+                let root = 2.0 * i as f32 / (SKYLIGHT - 1) as f32 - 1.0;
+                let irradiance = air.integrated_skylight(root * root.abs());
+                irradiance.max(Vec3::splat(1e-30)).map(f32::ln)
             })
             .collect();
         air
@@ -140,6 +156,33 @@ impl Atmosphere {
     fn series_at(&self, radius: f32, sun: f32) -> Vec3 {
         let v = (radius - GROUND) / (TOP - GROUND);
         bilinear(&self.series, SCATTERING, v, 0.5 * (sun + 1.0))
+    }
+
+    /// Irradiance of level ground by the sky without the sun. Entries are dense near the horizon, where light changes fast, and
+    /// lie geometrically between each other: at dusk it falls by a factor with each degree.
+    fn skylight_at(&self, sun: f32) -> Vec3 {
+        if self.skylight.is_empty() {
+            return Vec3::ZERO;
+        }
+        let root = sun.signum() * sun.abs().min(1.0).sqrt();
+        let x = 0.5 * (root + 1.0) * (SKYLIGHT - 1) as f32;
+        let low = (x as usize).min(SKYLIGHT - 2);
+        let between = self.skylight[low].lerp(self.skylight[low + 1], x - low as f32);
+        between.map(f32::exp)
+    }
+
+    fn integrated_skylight(&self, sun: f32) -> Vec3 {
+        let to_sun = Vec3::new(0.0, sun, -(1.0 - sun * sun).max(0.0).sqrt());
+        let (heights, azimuths) = SKYLIGHT_DIRECTIONS;
+        let received = (0..heights * azimuths).map(|i| {
+            let y = ((i / azimuths) as f32 + 0.5) / heights as f32;
+            let azimuth = ((i % azimuths) as f32 + 0.5) / azimuths as f32 * PI;
+            let across = (1.0 - y * y).sqrt();
+            let direction = Vec3::new(across * azimuth.sin(), y, -across * azimuth.cos());
+            y * self.seen(GROUND + MIN_ALTITUDE, direction, to_sun, SERIES_STEPS)
+        });
+        let sum: Vec3 = received.sum();
+        sum * (2.0 * PI / (heights * azimuths) as f32)
     }
 
     /// Hillaire 2020, equations 5 to 10: light scattered twice, and the sum of the series whose ratio is the share that
@@ -200,27 +243,25 @@ impl Atmosphere {
             let p = start + direction * length;
             let sun = p.dot(to_sun) / p.length();
             let matt = self.ground_albedo / PI;
-            light += passed * matt * sun.max(0.0) * self.sunlight(GROUND + MIN_ALTITUDE, sun);
+            let direct = sun.max(0.0) * self.sunlight(GROUND + MIN_ALTITUDE, sun);
+            light += passed * matt * (direct + self.skylight_at(sun));
         }
         (light, share)
     }
 
     /// Radiance that a viewer sees in a direction whose y is up.
     pub(super) fn radiance(&self, altitude: f32, direction: Vec3, to_sun: Vec3) -> Vec3 {
+        self.seen(viewer_radius(altitude), direction, to_sun, VIEW_STEPS)
+    }
+
+    fn seen(&self, radius: f32, direction: Vec3, to_sun: Vec3, steps: u32) -> Vec3 {
         let cosine = direction.dot(to_sun).clamp(-1.0, 1.0);
         let air = 3.0 / (16.0 * PI) * (1.0 + cosine * cosine);
         let dust = aerosol_phase(cosine);
-        let radius = viewer_radius(altitude);
-        let (light, _) = self.march(
-            radius,
-            direction,
-            to_sun,
-            VIEW_STEPS,
-            |(r, sun), m, sunlight| {
-                sunlight * (m.rayleigh * air + m.aerosol * dust)
-                    + self.series_at(r, sun) * (m.rayleigh + m.aerosol)
-            },
-        );
+        let (light, _) = self.march(radius, direction, to_sun, steps, |(r, sun), m, sunlight| {
+            sunlight * (m.rayleigh * air + m.aerosol * dust)
+                + self.series_at(r, sun) * (m.rayleigh + m.aerosol)
+        });
         light
     }
 }

@@ -38,7 +38,32 @@ pub enum Projection {
     },
 }
 
-/// A view of the whole scene from the front, somewhat above and to the right. Of an empty scene: the origin.
+impl Camera {
+    /// For pictures that are so many times as wide as high: where they are narrower than high, it stands so far back that what it saw
+    /// of the things around its focus from top to bottom is seen from side to side.
+    #[must_use]
+    pub fn fitted(&self, aspect: f32) -> Self {
+        let mut fitted = self.clone();
+        if !(1e-4..1.0).contains(&aspect) {
+            return fitted;
+        }
+        match &mut fitted.projection {
+            Projection::Orthographic { y_mag } => *y_mag /= aspect,
+            Projection::Perspective { y_fov } => {
+                let half = 0.5 * *y_fov;
+                let across = (half.tan() * aspect).atan();
+                let distance = self.focus_distance * half.sin() / across.sin();
+                let back = self.transform.matrix3.z_axis;
+                fitted.transform.translation += back * (distance - self.focus_distance);
+                fitted.focus_distance = distance;
+            }
+        }
+        fitted
+    }
+}
+
+/// A view of the whole scene from the front, somewhat above and to the right, for pictures that aren't narrower than high; see
+/// [`Camera::fitted`]. Of an empty scene: the origin.
 pub fn default_camera(scene: &Scene) -> Camera {
     const Y_FOV: f32 = 0.7;
     let (low, high) = scene.bounds().unwrap_or((Vec3::NEG_ONE, Vec3::ONE));
@@ -86,14 +111,19 @@ mod tests {
         let Projection::Perspective { y_fov } = camera.projection else {
             panic!("must be perspective");
         };
-        let to_camera = camera.transform.inverse();
-        for corner in 0..8 {
-            let pick = |bit: u32, a: f32, b: f32| if corner >> bit & 1 == 0 { a } else { b };
-            let corner = Vec3::new(pick(0, -5.0, 9.0), pick(1, 2.0, 3.0), pick(2, 1.0, 4.0));
-            let p = to_camera.transform_point3(corner);
-            assert!(p.z < 0.0 && (p.y / -p.z).abs() < (y_fov * 0.5).tan());
-            assert!((p.x / -p.z).abs() < (y_fov * 0.5).tan());
+        for aspect in [0.25, 0.8, 1.0, 3.0] {
+            let to_camera = camera.fitted(aspect).transform.inverse();
+            for corner in 0..8 {
+                let pick = |bit: u32, a: f32, b: f32| if corner >> bit & 1 == 0 { a } else { b };
+                let corner = Vec3::new(pick(0, -5.0, 9.0), pick(1, 2.0, 3.0), pick(2, 1.0, 4.0));
+                let p = to_camera.transform_point3(corner);
+                let half = (y_fov * 0.5).tan();
+                assert!(p.z < 0.0 && (p.y / -p.z).abs() < half, "{aspect}: {p}");
+                assert!((p.x / -p.z).abs() < half * aspect, "{aspect}: {p}");
+            }
         }
+        let same = camera.fitted(1.5);
+        assert_eq!(same.transform, camera.transform);
         assert!(default_camera(&Scene::default()).transform.is_finite());
     }
 }

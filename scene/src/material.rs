@@ -48,6 +48,11 @@ pub struct Material {
     pub priority: i32,
     /// Of the body, 1/metres: light that goes a metre is multiplied by exp(-absorption).
     pub absorption: Vec3,
+    /// KHR_materials_volume: the linear colour that white light has after the attenuation distance. Kernels know what
+    /// [`Self::attenuate`] makes of both.
+    pub attenuation_color: Vec3,
+    /// KHR_materials_volume, metres; infinite where nothing is absorbed.
+    pub attenuation_distance: f32,
     /// KHR_materials_diffuse_transmission: share of the diffuse light that comes out on the other side.
     pub diffuse_transmission: f32,
     /// Share in A, linear.
@@ -128,6 +133,13 @@ pub const TEXTURES: [&str; 17] = [
 pub const SURFACE_TEXTURES: usize = 6;
 
 impl Material {
+    /// Gives the body what it absorbs: white light has this linear colour after so many metres.
+    pub fn attenuate(&mut self, color: Vec3, distance: f32) {
+        self.attenuation_color = color;
+        self.attenuation_distance = distance;
+        self.absorption = absorption(color, distance);
+    }
+
     /// All textures, in the order of [`TEXTURES`].
     pub fn textures(&self) -> [&Option<TextureRef>; TEXTURES.len()] {
         [
@@ -200,6 +212,8 @@ impl Default for Material {
             dispersion: 0.0,
             priority: 0,
             absorption: Vec3::ZERO,
+            attenuation_color: Vec3::ONE,
+            attenuation_distance: f32::INFINITY,
             diffuse_transmission: 0.0,
             diffuse_transmission_texture: None,
             diffuse_transmission_color: Vec3::ONE,
@@ -232,8 +246,9 @@ impl Default for Material {
 
 /// Absorption in 1/metres of a body in which white light has this linear colour after so many metres (KHR_materials_volume).
 pub fn absorption(color: Vec3, distance: f32) -> Vec3 {
-    // Black over any distance is as good as opaque.
-    -color.clamp(Vec3::splat(1e-6), Vec3::ONE).map(f32::ln) / distance
+    // Black over any distance is as good as opaque, and so is any colour over next to none.
+    let depth = -color.clamp(Vec3::splat(1e-6), Vec3::ONE).map(f32::ln);
+    (depth / distance).min(Vec3::MAX)
 }
 
 /// What the alpha of a material's base colour means (glTF 2.0, section 3.9.4).

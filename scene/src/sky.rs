@@ -242,6 +242,22 @@ mod tests {
     }
 
     #[test]
+    fn the_ground_is_as_bright_as_what_lies_on_it() {
+        for elevation in [40.0, 10.0, 2.0, -2.0] {
+            let sky = Sky {
+                ground_albedo: Vec3::new(0.2, 0.3, 0.4),
+                ..sky(elevation)
+            };
+            let (diffuse, direct) = irradiances(&sky);
+            let matt = sky.ground_albedo / PI * (diffuse + direct);
+            let ground = radiance(&sky, -90.0, 0.0);
+            // Light of the sky is tabulated by the sun's height, from 64 directions.
+            let error = (ground / matt - Vec3::ONE).abs().max_element();
+            assert!(error < 0.1, "{elevation} degrees: {ground}, {matt}");
+        }
+    }
+
+    #[test]
     fn every_texel_is_a_number_at_any_hour() {
         for (elevation, aerosol, altitude) in [
             (90.0, 1.0, 0.0),

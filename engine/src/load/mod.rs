@@ -201,6 +201,21 @@ impl Loaded {
         found
     }
 
+    /// The camera for pictures that are so many times as wide as high. Where neither the scene nor the look says what it sees, it is
+    /// all of the scene, in narrow pictures, too.
+    pub fn camera_for(&self, aspect: f32) -> Camera {
+        let is_placed = self.look.as_ref().is_some_and(|look| {
+            let camera = &look.camera;
+            let place = [&camera.position, &camera.look_at, &camera.up];
+            let lens = [&camera.y_fov, &camera.focus_distance];
+            place.into_iter().any(Option::is_some) || lens.into_iter().any(Option::is_some)
+        });
+        match self.scene.cameras.is_empty() && !is_placed {
+            true => self.camera.fitted(aspect),
+            false => self.camera.clone(),
+        }
+    }
+
     /// A camera of the glTF file by name, without the look's overrides.
     ///
     /// # Errors

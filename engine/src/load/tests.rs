@@ -63,6 +63,24 @@ fn the_camera_of_a_look_overrides_the_file() {
 }
 
 #[test]
+fn a_view_of_everything_fits_narrow_pictures() {
+    let away = |loaded: &Loaded| {
+        let narrow = loaded.camera_for(0.5).transform.translation;
+        narrow.distance(loaded.camera.transform.translation)
+    };
+    let mut loaded = load(&demo(), None, &[]).expect("the demo loads");
+    assert_eq!(away(&loaded), 0.0, "it has a camera");
+    for text in ["", "[camera]\nblades = 6", "[camera]\nposition = [0, 1, 5]"] {
+        let chosen = with_look(text).expect("a look").look.expect("one");
+        let is_placed = chosen.camera.position.is_some();
+        loaded.look = Some(chosen);
+        loaded.scene.cameras.clear();
+        loaded.camera = default_camera(&loaded.scene);
+        assert_eq!(away(&loaded) == 0.0, is_placed, "{text}");
+    }
+}
+
+#[test]
 fn an_f_number_is_a_radius_by_the_focal_length() {
     let camera = |text: &str| with_look(&format!("[camera]\n{text}")).map(|loaded| loaded.camera);
     // 24 mm high, 90 degrees: a focal length of 12 mm.

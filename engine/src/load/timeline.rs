@@ -77,10 +77,10 @@ impl Timeline {
         }
     }
 
-    /// The animations of the scene's own file.
+    /// The animations of the scene's own file; of those that make no sense the names alone.
     ///
     /// # Errors
-    /// As [`super::load`]; an animation that makes no sense.
+    /// As [`super::load`].
     pub fn animations(&mut self) -> Result<Vec<Animation>, LoadError> {
         Ok(self.importer.animations(&self.path)?)
     }

@@ -6,6 +6,7 @@
 mod buffer;
 mod materials;
 mod objects;
+mod shear;
 #[cfg(test)]
 mod tests;
 
@@ -77,10 +78,10 @@ pub fn glb(scene: &Scene) -> Result<Exported, ExportError> {
         "asset".to_owned(),
         json!({ "version": "2.0", "generator": concat!("Patina ", env!("CARGO_PKG_VERSION")) }),
     );
-    let nodes = objects::nodes(scene, &mut tree, &mut root);
+    let (nodes, shown) = objects::nodes(scene, &mut tree, &mut root);
     let meshes = objects::meshes(scene, &mut tree);
     let materials = materials::materials(scene, &mut tree, &mut root)?;
-    let mut shown = json!({ "nodes": (0..nodes.len()).collect::<Vec<_>>() });
+    let mut shown = json!({ "nodes": (0..shown).collect::<Vec<_>>() });
     match &scene.environment {
         Environment::Constant(color) if color.max_element() > 0.0 => {
             shown["extras"] = json!({ "environment": { "constant": color.to_array() } });

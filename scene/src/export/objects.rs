@@ -6,14 +6,29 @@ use serde_json::{Map, Value, json};
 use crate::{LightKind, Mesh, Projection, PunctualLight, Scene};
 
 use super::Tree;
+use super::shear::Place;
 
-/// A node for each instance, light and camera; lights and cameras go to the root.
-pub(super) fn nodes(scene: &Scene, tree: &mut Tree, root: &mut Map<String, Value>) -> Vec<Value> {
+/// A node for each instance, light and camera; lights and cameras go to the root. So many of them, the first ones, are shown by the
+/// scene, the others are within these.
+pub(super) fn nodes(
+    scene: &Scene,
+    tree: &mut Tree,
+    root: &mut Map<String, Value>,
+) -> (Vec<Value>, usize) {
+    let shown = scene.instances.len() + scene.lights.len() + scene.cameras.len();
     let mut nodes = Vec::new();
+    let mut within = Vec::new();
     for instance in &scene.instances {
+        let (outside, inside) = Place::of(&instance.transform);
         let mut node = json!({ "mesh": instance.mesh });
+        if let Some(inside) = inside {
+            named(&mut node, &instance.name);
+            place(&mut node, &inside);
+            let outer = json!({ "children": [shown + within.len()] });
+            within.push(std::mem::replace(&mut node, outer));
+        }
         named(&mut node, &instance.name);
-        place(&mut node, &instance.transform, &instance.name, tree);
+        place(&mut node, &outside);
         nodes.push(node);
     }
     let mut lights = Vec::new();
@@ -23,7 +38,7 @@ pub(super) fn nodes(scene: &Scene, tree: &mut Tree, root: &mut Map<String, Value
         named(&mut node, &light.name);
         let turned = Quat::from_rotation_arc(Vec3::NEG_Z, light.direction);
         let transform = Affine3A::from_rotation_translation(turned, light.position);
-        place(&mut node, &transform, &light.name, tree);
+        place(&mut node, &Place::of(&transform).0);
         nodes.push(node);
         lights.push(light_of(light, tree));
     }
@@ -35,7 +50,7 @@ pub(super) fn nodes(scene: &Scene, tree: &mut Tree, root: &mut Map<String, Value
     for camera in &scene.cameras {
         let mut node = json!({ "camera": cameras.len() });
         named(&mut node, &camera.name);
-        place(&mut node, &camera.transform, &camera.name, tree);
+        place(&mut node, &Place::of(&camera.transform).0);
         nodes.push(node);
         let mut seen = match camera.projection {
             Projection::Perspective { y_fov } => json!({
@@ -59,7 +74,8 @@ pub(super) fn nodes(scene: &Scene, tree: &mut Tree, root: &mut Map<String, Value
     if !cameras.is_empty() {
         root.insert("cameras".to_owned(), Value::Array(cameras));
     }
-    nodes
+    nodes.extend(within);
+    (nodes, shown)
 }
 
 fn named(value: &mut Value, name: &str) {
@@ -69,22 +85,12 @@ fn named(value: &mut Value, name: &str) {
 }
 
 /// Where a node is: as translation, rotation and scale, which glTF demands of matrices, too.
-fn place(node: &mut Value, transform: &Affine3A, name: &str, tree: &mut Tree) {
-    let (scale, rotation, translation) = transform.to_scale_rotation_translation();
-    let again = Affine3A::from_scale_rotation_translation(scale, rotation, translation);
-    let size = transform
-        .matrix3
-        .x_axis
-        .length()
-        .max(transform.matrix3.y_axis.length());
-    if !again.abs_diff_eq(
-        *transform,
-        1e-4 * size.max(1e-6).max(translation.abs().max_element()),
-    ) {
-        tree.warnings.push(format!(
-            "\"{name}\" is sheared, which glTF has no word for: it is placed without"
-        ));
-    }
+fn place(node: &mut Value, place: &Place) {
+    let Place {
+        scale,
+        rotation,
+        translation,
+    } = *place;
     if translation != Vec3::ZERO {
         node["translation"] = json!(translation.to_array());
     }
@@ -159,10 +165,13 @@ fn mesh_of(mesh: &Mesh, tree: &mut Tree) -> Value {
         );
     }
     for (name, uv) in [("TEXCOORD_0", &mesh.uv0), ("TEXCOORD_1", &mesh.uv1)] {
-        // Sets are numbered without gaps.
-        if !uv.is_empty() && (name == "TEXCOORD_0" || !mesh.uv0.is_empty()) {
+        if !uv.is_empty() {
             let uv: Vec<[f32; 2]> = uv.iter().map(glam::Vec2::to_array).collect();
             put(name, buffer.attribute(&uv, false));
+        } else if name == "TEXCOORD_0" && !mesh.uv1.is_empty() {
+            // Sets are numbered without gaps.
+            let zeros = vec![[0.0; 2]; mesh.uv1.len()];
+            put(name, buffer.attribute(&zeros, false));
         }
     }
     let vectors = |values: &[glam::Vec4]| values.iter().map(|v| v.to_array()).collect::<Vec<_>>();

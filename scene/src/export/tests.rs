@@ -408,6 +408,49 @@ fn what_is_read_again_is_what_was_written() {
     assert!(matches!(read.environment, Environment::Constant(c) if c == Vec3::new(0.5, 1.0, 2.0)));
 }
 
+fn again(scene: &Scene) -> Scene {
+    let exported = glb(scene).expect("a file");
+    assert!(exported.warnings.is_empty(), "{:?}", exported.warnings);
+    check(&exported.glb);
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("a.glb");
+    std::fs::write(&path, exported.glb).expect("written");
+    let imported = import::load(&path).unwrap_or_else(|e| panic!("{e}"));
+    imported.scene
+}
+
+#[test]
+fn what_is_sheared_stays_so() {
+    let mut written = scene();
+    let stretched = Affine3A::from_scale_rotation_translation(
+        Vec3::new(1.0, 3.0, -1.0),
+        Quat::IDENTITY,
+        Vec3::X * 20_000.0,
+    );
+    written.instances[0].transform = stretched * Affine3A::from_rotation_z(0.75);
+    let read = again(&written);
+    assert_eq!(read.instances.len(), 2);
+    for (a, b) in written.instances.iter().zip(&read.instances) {
+        assert_eq!((&a.name, a.mesh), (&b.name, b.mesh));
+        assert_eq!(a.asset(), b.asset());
+        assert_eq!(a.transform.translation, b.transform.translation);
+        let (a, b) = (a.transform.matrix3, b.transform.matrix3);
+        assert!(a.abs_diff_eq(b, 1e-5), "{a} {b}");
+    }
+    assert_eq!((read.lights.len(), read.cameras.len()), (1, 1));
+}
+
+#[test]
+fn the_second_coordinates_are_written_without_the_first() {
+    let mut written = scene();
+    let mesh = &mut written.meshes[0];
+    mesh.uv1 = std::mem::take(&mut mesh.uv0);
+    mesh.triangle_materials = vec![0; 2];
+    let read = again(&written);
+    assert_eq!(read.meshes[0].uv1, written.meshes[0].uv1);
+    assert_eq!(read.meshes[0].uv0, [Vec2::ZERO; 4]);
+}
+
 #[test]
 fn a_volume_is_written_only_of_what_light_goes_through() {
     let mut written = scene();

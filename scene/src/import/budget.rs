@@ -13,7 +13,7 @@ use std::sync::{Mutex, PoisonError};
 const FREE: u64 = 512 << 20;
 /// What a byte of a file may become.
 const FACTOR: u64 = 32;
-/// What files that are included again may take in addition, all together.
+/// What files that are included again, and meshes in several poses, may take in addition, all together.
 const REPEATED: u64 = 4 << 30;
 
 /// Bytes that may still be allocated; shared by threads.
@@ -29,6 +29,15 @@ pub(super) struct Budget {
 struct Files {
     known: HashSet<FileId>,
     repeated: u64,
+}
+
+impl Files {
+    /// As much of it as may be taken for what comes again.
+    fn repeat(&mut self, more: u64) -> u64 {
+        let more = more.min(REPEATED - self.repeated);
+        self.repeated += more;
+        more
+    }
 }
 
 impl Budget {
@@ -47,12 +56,23 @@ impl Budget {
 
     /// A file of `bytes` is read: 32 times as much may be taken, for the same file again only up to 4 GiB in all.
     pub(super) fn allow(&self, file: FileId, bytes: u64) {
-        let mut more = bytes.saturating_mul(FACTOR);
+        let more = bytes.saturating_mul(FACTOR);
         let mut files = self.files.lock().unwrap_or_else(PoisonError::into_inner);
-        if !files.known.insert(file) {
-            more = more.min(REPEATED - files.repeated);
-            files.repeated += more;
-        }
+        let more = match files.known.insert(file) {
+            true => more,
+            false => files.repeat(more),
+        };
+        self.add(more);
+    }
+
+    /// Such a file shows meshes in so many further poses, each of which has vertices of its own: as if it came again for each.
+    pub(super) fn allow_poses(&self, bytes: u64, poses: u64) {
+        let more = bytes.saturating_mul(FACTOR).saturating_mul(poses);
+        let mut files = self.files.lock().unwrap_or_else(PoisonError::into_inner);
+        self.add(files.repeat(more));
+    }
+
+    fn add(&self, more: u64) {
         for counter in [&self.left, &self.limit] {
             let add = |old: u64| Some(old.saturating_add(more));
             // The closure always gives a value, so this can't fail.
@@ -82,7 +102,7 @@ impl Budget {
             .map(drop)
             .map_err(|_| {
                 format!(
-                    "the scene would take more than {} MiB, far more than the size of its files explains",
+                    "the scene would take more than {} MiB, far more than the size of its files explains, poses of meshes included",
                     self.limit.load(Ordering::Relaxed) >> 20
                 )
             })
@@ -114,7 +134,19 @@ mod tests {
             budget.allow(file("missing-a"), 1 << 30);
         }
         assert_eq!(budget.left(), 640 + REPEATED);
+        budget.allow_poses(1 << 20, 100);
+        assert_eq!(budget.left(), 640 + REPEATED, "it is the same allowance");
         budget.allow(file("missing-c"), u64::MAX);
         assert_eq!(budget.left(), u64::MAX);
+    }
+
+    #[test]
+    fn poses_allow_as_much_as_files_that_come_again() {
+        let budget = Budget::new(0);
+        budget.allow(FileId::of(Path::new("missing")), 10);
+        budget.allow_poses(10, 3);
+        assert_eq!(budget.left(), 4 * 320);
+        budget.allow_poses(u64::MAX, u64::MAX);
+        assert_eq!(budget.left(), 320 + REPEATED);
     }
 }

@@ -36,7 +36,16 @@ pub(super) trait Opened: fmt::Debug + Send + Sync {
     fn allow_again(&self);
 
     /// What can move it.
-    fn animations(&self) -> Result<Vec<Animation>, ImportError>;
+    fn animations(&self) -> Result<Described, ImportError>;
+}
+
+/// The animations of a file.
+#[derive(Debug, Default)]
+pub(super) struct Described {
+    /// All of them, in the order of the file; of those that make no sense the names alone.
+    pub(super) animations: Vec<Animation>,
+    /// What is wrong with the first that makes none.
+    pub(super) problem: Option<ImportError>,
 }
 
 /// What is to be read, and for whom.

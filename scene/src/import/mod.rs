@@ -29,7 +29,7 @@ pub use pictures::load_picture;
 use crate::input::{Disk, Files};
 use crate::{Animation, Mesh, Moment, Motion, Scene};
 use budget::Budget;
-use format::{Format, Opened, Request};
+use format::{Described, Format, Opened, Request};
 use glam::{Affine3A, DAffine3, DMat3};
 use merge::merge;
 use pictures::Pictures;
@@ -93,7 +93,14 @@ pub fn referenced_files(files: &dyn Files, path: &Path) -> Vec<PathBuf> {
 /// # Errors
 /// As [`load`]; an animation that makes no sense.
 pub fn animations(path: &Path) -> Result<Vec<Animation>, ImportError> {
-    Importer::new().animations(path)
+    let Described {
+        animations,
+        problem,
+    } = Importer::new().described(path)?;
+    match problem {
+        Some(problem) => Err(problem),
+        None => Ok(animations),
+    }
 }
 
 /// Reads a scene file with all its buffers and pictures from the disk: the default scene, at rest. [`Importer::from_files`] has
@@ -194,21 +201,26 @@ impl Importer {
         self.open.get_or_insert_default();
     }
 
-    /// The animations of a file.
+    /// The animations of a file. One that makes no sense has a name alone: what is wrong with it is told by who moves the scene by
+    /// it.
     ///
     /// # Errors
-    /// As [`load`]; an animation that makes no sense.
+    /// As [`load`].
     pub fn animations(&mut self, path: &Path) -> Result<Vec<Animation>, ImportError> {
+        Ok(self.described(path)?.animations)
+    }
+
+    fn described(&mut self, path: &Path) -> Result<Described, ImportError> {
         let uses = self
             .open
             .as_ref()
             .and_then(|open| Some(open.get(path)?.uses));
-        let animations = self.opened(path, true)?.animations();
+        let described = self.opened(path, true)?.animations();
         // Looked at, it isn't added to the scene.
         if let Some(kept) = self.open.as_mut().and_then(|open| open.get_mut(path)) {
             kept.uses = uses.unwrap_or(0);
         }
-        animations
+        described
     }
 
     /// A file, which stays open where it will be read again.

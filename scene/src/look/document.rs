@@ -11,6 +11,7 @@ use toml_edit::{DocumentMut, Item, Table, TableLike};
 
 use crate::aside;
 
+use super::line_ends::{BYTE_ORDER_MARK, LineEnds};
 use super::rewrite::to_toml_like;
 use super::value::{Field, Value, fields, to_toml};
 
@@ -64,8 +65,7 @@ impl std::fmt::Display for Section {
 #[derive(Debug, Clone)]
 pub struct LookDocument {
     document: DocumentMut,
-    /// Lines end with CR LF.
-    has_crlf: bool,
+    line_ends: LineEnds,
     has_byte_order_mark: bool,
     /// The last line has no end.
     ends_open: bool,
@@ -74,8 +74,6 @@ pub struct LookDocument {
 /// A table put aside.
 #[derive(Debug)]
 pub struct Kept(Option<Item>);
-
-const BYTE_ORDER_MARK: &str = "\u{feff}";
 
 impl LookDocument {
     /// Parses a text that lies at `path`. Only its TOML is checked.
@@ -91,7 +89,7 @@ impl LookDocument {
         })?;
         Ok(Self {
             document,
-            has_crlf: text.contains("\r\n"),
+            line_ends: LineEnds::of(text),
             has_byte_order_mark: text.starts_with(BYTE_ORDER_MARK),
             ends_open: !text.is_empty() && !text.ends_with('\n'),
         })
@@ -101,7 +99,7 @@ impl LookDocument {
     pub fn empty() -> Self {
         Self {
             document: DocumentMut::new(),
-            has_crlf: false,
+            line_ends: LineEnds::Lf,
             has_byte_order_mark: false,
             ends_open: false,
         }
@@ -113,9 +111,7 @@ impl LookDocument {
         if self.ends_open && text.ends_with('\n') {
             text.pop();
         }
-        if self.has_crlf {
-            text = text.replace("\r\n", "\n").replace('\n', "\r\n");
-        }
+        text = self.line_ends.restored(text);
         if self.has_byte_order_mark && !text.starts_with(BYTE_ORDER_MARK) {
             text.insert_str(0, BYTE_ORDER_MARK);
         }
@@ -442,6 +438,27 @@ mod tests {
             .unwrap();
         assert_eq!(document.text(), text.replace("= 4 ", "= 5 "));
         assert!(Look::parse(Path::new("a"), &document.text()).is_ok());
+    }
+
+    #[test]
+    fn lines_that_end_differently_stay_so() {
+        // One of many, and all but a few.
+        let one = TEXT.replacen("first\n", "first\r\n", 1);
+        let most = one.replace('\n', "\r\n").replace("\r\r", "\r");
+        let most = most.replacen("# Second.\r", "# Second.", 1);
+        for (text, usual) in [(one, "\n"), (most, "\r\n")] {
+            let mut document = parsed(&text);
+            assert_eq!(document.text(), text);
+            document
+                .set(&node("a"), "scale", &Value::Integer(5))
+                .unwrap();
+            document
+                .set(&node("b"), "amount", &Value::Integer(1))
+                .unwrap();
+            let edited = text.replace("= 4 ", "= 5 ");
+            let edited = edited.replace("[material", &format!("amount = 1{usual}[material"));
+            assert_eq!(document.text(), edited);
+        }
     }
 
     #[test]

@@ -5,6 +5,7 @@
 
 use texgen::color_from_hex;
 
+use super::reader::Reader;
 use super::value::{Field, Span, Spanned, Value};
 
 /// The key of the list.
@@ -18,64 +19,57 @@ const NAMED: [&str; 5] = ["node", "material", "light", "ao", "graph"];
 const FORM: &str =
     "write pairs of a time in seconds and a value, as in { keys = [[0.0, 0.1], [2.0, 0.9]] }";
 
-/// A keyed value, and where it stands.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct Keyed {
-    /// Keys of the tables around it, and its own.
-    pub(super) path: Vec<String>,
-    pub(super) keys: Vec<(f64, Spanned<Value>)>,
-}
-
 /// What is wrong with keys, and where.
 pub(super) type Problem = (Span, String);
 
-/// The keyed values of a look's tables.
-///
-/// # Errors
-/// All that make no sense.
-pub(super) fn find(fields: &[Field]) -> Result<Vec<Keyed>, Vec<Problem>> {
-    let (mut found, mut problems) = (Vec::new(), Vec::new());
-    collect(fields, &mut Vec::new(), &mut found, &mut problems);
-    let count: usize = found.iter().map(|keyed| keyed.keys.len()).sum();
-    if count > MOST {
-        problems.push((
-            0..0,
-            format!("a look may have {MOST} keys, this one has {count}"),
-        ));
+/// The times of all keys of a look's tables, seconds, as they are written; none where some make no sense, which the reader is told.
+pub(super) fn find(fields: &[Field], reader: &mut Reader) -> Option<Vec<f64>> {
+    let mut times = Vec::new();
+    for field in fields {
+        collect(&field.value, &mut times, reader);
     }
-    match problems.is_empty() {
-        true => Ok(found),
-        false => Err(problems),
+    if times.len() > MOST {
+        let count = times.len();
+        reader.problem(
+            &(0..0),
+            format!("a look may have {MOST} keys, this one has {count}"),
+        );
+    }
+    reader.problems.is_empty().then_some(times)
+}
+
+fn collect(value: &Spanned<Value>, times: &mut Vec<f64>, reader: &mut Reader) {
+    if let Some(list) = list_of(&value.value) {
+        match read(list, &value.span) {
+            Ok(keys) => times.extend(keys.iter().map(|(time, _)| time)),
+            Err((span, message)) => reader.problem(&span, message),
+        }
+        return;
+    }
+    match &value.value {
+        Value::Table(fields) => {
+            (fields.iter()).for_each(|field| collect(&field.value, times, reader));
+        }
+        Value::List(items) => items.iter().for_each(|item| collect(item, times, reader)),
+        _ => {}
     }
 }
 
-fn collect(
-    fields: &[Field],
-    path: &mut Vec<String>,
-    found: &mut Vec<Keyed>,
-    problems: &mut Vec<Problem>,
-) {
-    for Field { key, value } in fields {
-        path.push(key.value.clone());
-        match (list_of(&value.value), &value.value) {
-            (Some(list), _) => match read(list, &value.span) {
-                Ok(keys) => found.push(Keyed {
-                    path: path.clone(),
-                    keys,
-                }),
-                Err(problem) => problems.push(problem),
-            },
-            (None, Value::Table(fields)) => collect(fields, path, found, problems),
-            (None, Value::List(items)) => {
-                for item in items {
-                    if let Value::Table(fields) = &item.value {
-                        collect(fields, path, found, problems);
-                    }
-                }
-            }
-            _ => {}
-        }
-        path.pop();
+/// The values of a parameter at each of its keys, as fields of their own; none where it has no keys.
+pub(super) fn values(parameter: &Field) -> Vec<Field> {
+    let Field { key, value } = parameter;
+    let field = |value: Spanned<Value>| Field {
+        key: value.with(key.value.clone()),
+        value,
+    };
+    match list_of(&value.value) {
+        // Each where it is written.
+        Some(list) => (read(list, &value.span).into_iter().flatten())
+            .map(|(_, value)| field(value))
+            .collect(),
+        None => (times_of(&value.value).into_iter())
+            .map(|time| field(steady(value, time)))
+            .collect(),
     }
 }
 
@@ -97,10 +91,9 @@ fn resolve_value(value: &mut Spanned<Value>, seconds: f64) {
     }
     match &mut value.value {
         Value::Table(fields) => resolve(fields, seconds),
-        Value::List(items) => items
-            .iter_mut()
-            .filter(|item| matches!(item.value, Value::Table(_)))
-            .for_each(|item| resolve_value(item, seconds)),
+        Value::List(items) => {
+            (items.iter_mut()).for_each(|item| resolve_value(item, seconds));
+        }
         _ => {}
     }
 }
@@ -137,10 +130,7 @@ pub(super) fn parts(fields: &[Field]) -> Result<Vec<Part<'_>>, Problem> {
             _ => vec![(Own::Whole, value)],
         };
         for (own, of) in found {
-            let mut times = Vec::new();
-            add_times(&of.value, &mut times);
-            times.sort_by(f64::total_cmp);
-            times.dedup();
+            let times = times_of(&of.value);
             if !times.is_empty() {
                 read = (times.len().saturating_mul(size(&of.value))).saturating_add(read);
                 parts.push(Part {
@@ -195,17 +185,22 @@ fn steady(value: &Spanned<Value>, seconds: f64) -> Spanned<Value> {
             value.with(Value::Table(fields.iter().map(field).collect()))
         }
         Value::List(items) => {
-            let item = |item: &Spanned<Value>| match item.value {
-                Value::Table(_) => steady(item, seconds),
-                _ => item.clone(),
-            };
+            let item = |item: &Spanned<Value>| steady(item, seconds);
             value.with(Value::List(items.iter().map(item).collect()))
         }
         _ => value.clone(),
     }
 }
 
-/// The times of all keys in it.
+/// The times of all keys in it, in order.
+fn times_of(value: &Value) -> Vec<f64> {
+    let mut times = Vec::new();
+    add_times(value, &mut times);
+    times.sort_by(f64::total_cmp);
+    times.dedup();
+    times
+}
+
 fn add_times(value: &Value, times: &mut Vec<f64>) {
     if let Some(list) = list_of(value) {
         times.extend(list.iter().filter_map(|item| Some(pair(item)?.0)));
@@ -215,10 +210,7 @@ fn add_times(value: &Value, times: &mut Vec<f64>) {
         Value::Table(fields) => {
             (fields.iter()).for_each(|field| add_times(&field.value.value, times));
         }
-        Value::List(items) => items
-            .iter()
-            .filter(|item| matches!(item.value, Value::Table(_)))
-            .for_each(|item| add_times(&item.value, times)),
+        Value::List(items) => items.iter().for_each(|item| add_times(&item.value, times)),
         _ => {}
     }
 }
@@ -462,6 +454,42 @@ mod tests {
             look("[camera]\ny_fov = 30", 1.0).expect("a look").key_times,
             None
         );
+    }
+
+    #[test]
+    fn numbers_within_lists_can_be_keyed() {
+        let text = "[material.A]\nbase_color = [{ keys = [[0, 0.0], [1, 1.0]] }, 0.25, 0]\n\
+            [camera]\nposition = [0, 0, { keys = [[0, 3.0], [2, 6.0]] }]\n\
+            [node.A]\ntexture = 'rust_color'\n\
+            ramp = [[0.0, { keys = [[0, '#000'], [1, '#fff']] }], [{ keys = [[0, 0.5], [1, 1.0]] }, '#fff']]";
+        let half = look(text, 0.5).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(
+            half.materials[0].constant("base_color"),
+            Some(Vec3::new(0.5, 0.25, 0.0))
+        );
+        let position = half.camera.position.clone().expect("it is said");
+        assert_eq!(position.value, Vec3::new(0.0, 0.0, 3.75));
+        assert_eq!(half.key_times, Some([0.0, 2.0]));
+        let ramp = parse_value("[[0.0, [0.5, 0.5, 0.5]], [0.75, '#fff']]").expect("it is TOML");
+        assert!(half.nodes[0].params[0].value.value.is_same(&ramp.value));
+        // The whole ramp at each of its keys.
+        let keyed = &half.nodes[0].keyed;
+        let last = parse_value("[[0.0, '#fff'], [1.0, '#fff']]").expect("it is TOML");
+        assert_eq!(keyed.len(), 2);
+        assert!(keyed[1].value.value.is_same(&last.value), "{:?}", keyed[1]);
+        for (text, says) in [
+            (
+                "base_color = [{ keys = [[0, 'x']] }, 0, 0]",
+                "nothing else can be keyed",
+            ),
+            (
+                "base_color = [{ keys = [[0, 0.5], [1, -1]] }, 0, 0]",
+                "negative",
+            ),
+        ] {
+            let error = look(&format!("[material.A]\n{text}"), 0.0).expect_err(text);
+            assert!(error.contains(says), "{text}: {error}");
+        }
     }
 
     /// Each key is read once, whatever else there is.

@@ -88,6 +88,12 @@ fn check(reader: &mut Reader, light: &LightLook, table: &[Field]) {
         let why = "`inner_cone_angle` has to be less than `outer_cone_angle`";
         reader.problem(&inner.span, why);
     }
+    if let (Some(intensity), Some(color)) = (&light.intensity, &light.color)
+        && !(color.value * intensity.value).is_finite()
+    {
+        let why = "`color` times `intensity` is too large a number";
+        reader.problem(&intensity.span, why);
+    }
     let Some(kind) = &light.kind else {
         if let Some(size) = &light.size {
             let why = "only lights of the look's own have a `size`";

@@ -9,6 +9,9 @@ use super::EnvironmentLook;
 use super::reader::{Reader, unit};
 use super::value::{Field, Spanned, Value};
 
+/// The most radiance of an environment, and the largest factor on one: what becomes of it are sums of many.
+const MOST: f32 = 1e30;
+
 /// `environment = { ... }`: a picture, a colour or a sky.
 pub(super) fn environment(
     reader: &mut Reader,
@@ -34,6 +37,18 @@ pub(super) fn environment(
         }
     }
     let intensity = intensity.map_or(1.0, |i| i.value);
+    let largest = match (&color, &sky) {
+        (Some(color), _) => color.value.max_element().max(1.0) * intensity,
+        (None, Some(sky)) => sky.intensity.max(1.0) * intensity,
+        (None, None) => intensity,
+    };
+    if largest > MOST {
+        reader.problem(
+            &value.span,
+            "its light is too strong to be reckoned with: with `intensity` it may be 1e30 at most",
+        );
+        return None;
+    }
     let has = |name: &str| table.iter().any(|f| f.key.value == name);
     let mut without_rotation = |why: &str| {
         if let Some(rotation) = &rotation {

@@ -4,7 +4,7 @@
 use glam::Vec3;
 
 use crate::material_parameters::{Field as Kept, PARAMETERS, Parameter, Takes, Unit};
-use crate::{AlphaMode, Material, absorption};
+use crate::{AlphaMode, Material};
 
 use super::light;
 use super::reader::{Reader, choice};
@@ -117,10 +117,6 @@ impl MaterialLook {
                 }
                 Kept::None | Kept::Shown(_) => {}
             }
-        }
-        if let Some(distance) = self.constant("attenuation_distance") {
-            let color = self.constant("attenuation_color").unwrap_or(Vec3::ONE);
-            material.absorption = absorption(color, distance.x);
         }
         let cutoff = match (self.constant("alpha_cutoff"), material.alpha_mode) {
             (Some(cutoff), _) => cutoff.x,
@@ -269,16 +265,6 @@ fn check(reader: &mut Reader, m: &MaterialLook) {
             &scale.span,
             "`bump_scale` has no effect without `bump`",
             "name the node that gives the height, as in bump = \"dents\"",
-        );
-    }
-    if let (Some(color), None) = (
-        m.input("attenuation_color"),
-        m.input("attenuation_distance"),
-    ) {
-        reader.problem_with_note(
-            &color.span,
-            "`attenuation_color` needs `attenuation_distance`",
-            "after how many metres light has that colour, as in attenuation_distance = 0.1",
         );
     }
     let has_alpha = ["alpha", "alpha_cutoff"]

@@ -10,6 +10,7 @@ mod frame;
 mod keys;
 mod lamp;
 mod light;
+mod line_ends;
 mod material;
 mod parse;
 mod reader;
@@ -23,7 +24,7 @@ mod view;
 use std::path::{Path, PathBuf};
 
 use glam::{Affine3A, Vec3};
-use texgen::{Diagnostic, Diagnostics, SourceFile, Swizzle};
+use texgen::{Diagnostics, SourceFile, Swizzle};
 
 use crate::input::{self, Disk, Files};
 use crate::sky::Sky;
@@ -380,15 +381,12 @@ impl Look {
     /// # Errors
     /// All mistakes of the text, in its order, those at other keys included.
     pub fn parse_at(path: &Path, text: &str, seconds: f64) -> Result<Self, Diagnostics> {
-        let (mut look, mut reader) = parse::parse(path, text, seconds);
-        let start = |d: &Diagnostic| d.labels.first().map_or(0, |label| label.span.start);
+        let (mut look, reader) = parse::parse(path, text, seconds);
         if reader.problems.is_empty() {
-            reader.warnings.sort_by_key(start);
-            look.warnings = reader.warnings.into_iter().collect();
+            look.warnings = reader.warnings.in_order();
             return Ok(look);
         }
-        reader.problems.sort_by_key(start);
-        Err(reader.problems.into_iter().collect())
+        Err(reader.problems.in_order())
     }
 
     /// A look that says nothing, as if read from `path`.

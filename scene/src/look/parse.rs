@@ -14,12 +14,12 @@ use crate::view::ViewChoice;
 
 use super::document::Section;
 use super::frame::{FrameLook, frame};
-use super::keys::{self, Keyed};
+use super::keys;
 use super::lamp::light;
 use super::light::{environment, environment_group};
 use super::material::{MaterialLook, material};
 use super::reader::{Reader, choice, is_name, unquoted};
-use super::value::{Field, Span, Spanned, Value, fields};
+use super::value::{Field, Span, Spanned, Value, fields, find};
 use super::view::view;
 use super::{
     AoDirection, AoLook, AoSettings, CameraLook, EnvironmentLook, Include, Input, KEYS, LightLook,
@@ -57,16 +57,10 @@ pub(super) fn parse(path: &Path, text: &str, seconds: f64) -> (Look, Reader) {
 
 /// Reads all tables as they are after so many seconds.
 fn whole(reader: &mut Reader, look: &mut Look, written: Vec<Field>, seconds: f64) {
-    let keyed = match keys::find(&written) {
-        Ok(keyed) => keyed,
-        Err(problems) => {
-            for (span, message) in problems {
-                reader.problem(&span, message);
-            }
-            return;
-        }
+    let Some(times) = keys::find(&written, reader) else {
+        return;
     };
-    if keyed.is_empty() {
+    if times.is_empty() {
         root(reader, look, &written);
         return check_names(reader, look);
     }
@@ -85,32 +79,28 @@ fn whole(reader: &mut Reader, look: &mut Look, written: Vec<Field>, seconds: f64
                     root(reader, &mut other, &[part.at(seconds)]);
                 }
             }
+            keep_keys(look, &written);
         }
         Err((span, problem)) => reader.problem(&span, problem),
     }
-    let times = || keyed.iter().flat_map(|keyed| &keyed.keys).map(|key| key.0);
     look.key_times = Some([
-        times().fold(f64::INFINITY, f64::min),
-        times().fold(f64::NEG_INFINITY, f64::max),
+        times.iter().copied().fold(f64::INFINITY, f64::min),
+        times.iter().copied().fold(f64::NEG_INFINITY, f64::max),
     ]);
-    for keyed in keyed {
-        keep_keys(look, &keyed);
-    }
 }
 
-/// Gives a node the keys of a parameter, which are understood when its texture is known.
-fn keep_keys(look: &mut Look, keyed: &Keyed) {
-    let [table, node, parameter] = keyed.path.as_slice() else {
+/// Gives nodes the values of their parameters at all keys, which are understood when textures are known.
+fn keep_keys(look: &mut Look, written: &[Field]) {
+    let Some(Value::Table(tables)) = find(written, "node").map(|nodes| &nodes.value) else {
         return;
     };
+    // They are in the order of the tables.
     let mut nodes = look.nodes.iter_mut();
-    let node = nodes.find(|found| table == "node" && found.name.value == *node);
-    if let Some(node) = node {
-        let field = |(_, value): &(f64, Spanned<Value>)| Field {
-            key: value.with(parameter.clone()),
-            value: value.clone(),
-        };
-        node.keyed.extend(keyed.keys.iter().map(field));
+    for Field { key, value } in tables {
+        let node = nodes.find(|node| node.name.value == key.value);
+        if let (Some(node), Value::Table(parameters)) = (node, &value.value) {
+            node.keyed.extend(parameters.iter().flat_map(keys::values));
+        }
     }
 }
 
@@ -187,7 +177,7 @@ pub fn table(
     };
     match read {
         Some(table) if reader.problems.is_empty() => Ok(table),
-        _ => Err(reader.problems.into_iter().collect()),
+        _ => Err(reader.problems.in_order()),
     }
 }
 
@@ -551,9 +541,6 @@ fn check_names(reader: &mut Reader, look: &Look) {
     }
 }
 
-/// Most problems that are told with the nearest right name, which takes long to find among thousands.
-const MOST_SUGGESTED: usize = 100;
-
 /// Names that a look declares, in its order and by themselves.
 struct Names<'n> {
     in_order: Vec<&'n str>,
@@ -580,9 +567,7 @@ fn unknown_name(
     }
     let message = format!("there is no {what} called `{}`", wanted.value);
     let near = || did_you_mean(&wanted.value, names.in_order.iter().copied());
-    let near = (reader.problems.len() < MOST_SUGGESTED)
-        .then(near)
-        .flatten();
+    let near = reader.suggests().then(near).flatten();
     let note = match (unquoted(&wanted.value), near) {
         (Some(remedy), _) => remedy,
         (None, Some(near)) => format!("did you mean `{near}`?"),

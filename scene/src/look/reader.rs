@@ -4,31 +4,79 @@
 //! Nothing here knows which tables a look has.
 
 use glam::Vec3;
-use texgen::{Diagnostic, SourceFile, Swizzle, did_you_mean};
+use texgen::{Diagnostic, Diagnostics, SourceFile, Swizzle, did_you_mean};
 
 use super::value::{Field, Span, Spanned, Value};
 use super::{Input, Link};
+
+/// Most problems that are kept, and most warnings: a text can have a million, of which nobody reads more than the first.
+const MOST: usize = 1000;
+/// Most problems that are told with the nearest right name, which takes long to find.
+const MOST_SUGGESTED: usize = 100;
 
 /// Collects the problems of one look file.
 #[derive(Debug)]
 pub(super) struct Reader {
     pub(super) file: SourceFile,
-    pub(super) problems: Vec<Diagnostic>,
-    pub(super) warnings: Vec<Diagnostic>,
+    pub(super) problems: Found,
+    pub(super) warnings: Found,
+}
+
+/// Problems or warnings as they are found: the first ones, and how many there are beyond.
+#[derive(Debug, Default)]
+pub(super) struct Found {
+    kept: Vec<Diagnostic>,
+    more: usize,
+}
+
+impl Found {
+    pub(super) fn is_empty(&self) -> bool {
+        self.kept.is_empty()
+    }
+
+    fn push(&mut self, diagnostic: impl FnOnce() -> Diagnostic) {
+        match self.kept.len() < MOST {
+            true => self.kept.push(diagnostic()),
+            false => self.more += 1,
+        }
+    }
+
+    /// All, in the order of the text.
+    pub(super) fn in_order(mut self) -> Diagnostics {
+        let start = |d: &Diagnostic| d.labels.first().map_or(0, |label| label.span.start);
+        self.kept.sort_by_key(start);
+        let severity = self.kept.first().map(|first| first.severity);
+        let mut all: Diagnostics = self.kept.into_iter().collect();
+        if let Some(severity) = severity {
+            // Such a list is full: it only counts them.
+            let uncounted = || Diagnostic {
+                severity,
+                ..Diagnostic::error("")
+            };
+            all.extend(std::iter::repeat_with(uncounted).take(self.more));
+        }
+        all
+    }
 }
 
 impl Reader {
     pub(super) fn new(file: SourceFile) -> Self {
         Self {
             file,
-            problems: Vec::new(),
-            warnings: Vec::new(),
+            problems: Found::default(),
+            warnings: Found::default(),
         }
     }
 
+    /// Whether the next problem is told with the nearest right name.
+    pub(super) fn suggests(&self) -> bool {
+        self.problems.kept.len() < MOST_SUGGESTED
+    }
+
     pub(super) fn problem(&mut self, span: &Span, message: impl Into<String>) {
-        let problem = Diagnostic::error(message).with_label(&self.file, span.clone(), "");
-        self.problems.push(problem);
+        let file = &self.file;
+        self.problems
+            .push(|| Diagnostic::error(message).with_label(file, span.clone(), ""));
     }
 
     pub(super) fn problem_with_note(
@@ -37,8 +85,11 @@ impl Reader {
         message: impl Into<String>,
         note: impl Into<String>,
     ) {
-        let problem = Diagnostic::error(message).with_label(&self.file, span.clone(), "");
-        self.problems.push(problem.with_note(note));
+        let file = &self.file;
+        self.problems.push(|| {
+            let problem = Diagnostic::error(message).with_label(file, span.clone(), "");
+            problem.with_note(note)
+        });
     }
 
     pub(super) fn wrong_kind(&mut self, value: &Spanned<Value>, wanted: &str) {
@@ -57,7 +108,8 @@ impl Reader {
     /// A key that `table` doesn't have.
     pub(super) fn unknown_key(&mut self, key: &Spanned<String>, table: &str, known: &[&str]) {
         let message = format!("{table} has no key `{}`", key.value);
-        let near = did_you_mean(&key.value, known.iter().copied());
+        let near = || did_you_mean(&key.value, known.iter().copied());
+        let near = self.suggests().then(near).flatten();
         let note = match (misplaced_key(&key.value), near) {
             (Some(remedy), _) => remedy,
             (None, Some(near)) => format!("did you mean `{near}`?"),
@@ -168,10 +220,12 @@ impl Reader {
     pub(super) fn share_color(&mut self, value: &Spanned<Value>) -> Option<Spanned<Vec3>> {
         let color = self.color(value)?;
         if let Some(remedy) = color_remedy(&value.value) {
-            let warning = Diagnostic::warning("a surface would give back more light than it gets")
-                .with_label(&self.file, value.span.clone(), "a colour beyond 1")
-                .with_note(remedy);
-            self.warnings.push(warning);
+            let file = &self.file;
+            self.warnings.push(|| {
+                Diagnostic::warning("a surface would give back more light than it gets")
+                    .with_label(file, value.span.clone(), "a colour beyond 1")
+                    .with_note(remedy)
+            });
         }
         Some(color)
     }
@@ -330,4 +384,26 @@ pub(super) fn is_name(text: &str) -> bool {
         && text
             .chars()
             .all(|c| c.is_alphanumeric() || c == '_' || c == '-')
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use texgen::Severity;
+
+    #[test]
+    fn of_very_many_mistakes_some_are_kept_and_all_counted() {
+        let mut reader = Reader::new(SourceFile::new("look", "a.look.toml", "ab = 1"));
+        let key = Spanned::new("ab".to_owned(), 0..2);
+        for _ in 0..5000 {
+            reader.unknown_key(&key, "a look", &["ao"]);
+        }
+        let kept = &reader.problems.kept;
+        assert_eq!(kept.len(), MOST);
+        let suggests = |d: &&Diagnostic| d.notes[0].contains("did you mean");
+        assert_eq!(kept.iter().filter(suggests).count(), MOST_SUGGESTED);
+        let all = reader.problems.in_order();
+        assert_eq!(all.count(Severity::Error), 5000);
+        assert!(all.render().contains("more errors are not shown"));
+    }
 }

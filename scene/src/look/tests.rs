@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::view::{ViewTransform, WhiteBalance};
+use crate::{AlphaMode, Material, absorption};
 
 fn parse(text: &str) -> Look {
     Look::parse(Path::new("looks/test.look.toml"), text).expect("this look is right")
@@ -218,6 +219,25 @@ fn mistakes_of_value_are_explained() {
         "sun_azimuth",
     );
     one_problem(
+        "environment = { color = [1e38, 1, 1], intensity = 1e38 }",
+        1,
+        15,
+        "1e30 at most",
+    );
+    one_problem(
+        "environment = { sky = { intensity = 1e20 }, intensity = 1e20 }",
+        1,
+        15,
+        "1e30 at most",
+    );
+    one_problem(
+        "[light.A]\ncolor = [1e30, 1, 1]\nintensity = 1e30",
+        3,
+        13,
+        "too large a number",
+    );
+    one_problem("[material.A]\nnormal_scale = 1e38", 2, 16, "to 1e6");
+    one_problem(
         "environment = { image = 'a', color = [1,1,1] }",
         1,
         15,
@@ -314,6 +334,57 @@ fn colours_beyond_one_are_warnings_where_light_would_come_from_nothing() {
             .warnings
             .is_empty()
     );
+}
+
+#[test]
+fn emission_stays_a_number() {
+    let mut material = Material::default();
+    let look = parse("[material.A]\nemission = [1e30, 0, 1]\nemission_strength = 1e30");
+    look.materials[0].apply(&mut material);
+    assert_eq!(material.emission, Vec3::new(f32::MAX, 0.0, 1e30));
+}
+
+#[test]
+fn what_is_absent_of_attenuation_is_that_of_the_file() {
+    let mut glass = Material::default();
+    glass.attenuate(Vec3::new(0.125, 0.75, 0.125), 0.5);
+    let with = |text: &str, material: &Material| {
+        let mut material = material.clone();
+        parse(&format!("[material.A]\n{text}")).materials[0].apply(&mut material);
+        material
+    };
+    let nearer = with("attenuation_distance = 0.25", &glass);
+    assert_eq!(nearer.attenuation_color, glass.attenuation_color);
+    assert_eq!(nearer.absorption, 2.0 * glass.absorption);
+    let red = Vec3::new(1.0, 0.25, 0.25);
+    let text = "attenuation_color = [1, 0.25, 0.25]";
+    assert_eq!(with(text, &glass).absorption, absorption(red, 0.5));
+    // After a metre where nobody says it.
+    let plain = Material::default();
+    assert_eq!(with(text, &plain).absorption, absorption(red, 1.0));
+    let both = with(&format!("{text}\nattenuation_distance = 2"), &glass);
+    assert_eq!(both.absorption, absorption(red, 2.0));
+    assert_eq!(with("", &glass).absorption, glass.absorption);
+}
+
+/// Its picture may have any alpha, which glTF ignores.
+#[test]
+fn an_opaque_material_stays_so_at_full_opacity() {
+    let blended = |text: &str, before: AlphaMode| {
+        let mut material = Material {
+            alpha_mode: before,
+            ..Material::default()
+        };
+        parse(text).materials[0].apply(&mut material);
+        (material.alpha_mode, material.base_color.w)
+    };
+    let (full, half) = ("[material.A]\nopacity = 1.0", "[material.A]\nopacity = 0.5");
+    let opaque = AlphaMode::Opaque;
+    assert_eq!(blended(full, opaque), (opaque, 1.0));
+    assert_eq!(blended(half, opaque), (AlphaMode::Blend, 0.5));
+    for see_through in [AlphaMode::Blend, AlphaMode::Mask { cutoff: 0.5 }] {
+        assert_eq!(blended(full, see_through), (AlphaMode::Blend, 1.0));
+    }
 }
 
 #[test]

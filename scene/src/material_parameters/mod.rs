@@ -78,7 +78,7 @@ pub struct Number {
 /// Which numbers are right.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Valid {
-    /// All.
+    /// All but those that are too large to reckon with: -1e6 to 1e6.
     Any,
     /// 0 to 1.
     Share,
@@ -228,7 +228,8 @@ impl Number {
     /// Whether a number is right.
     pub fn is_valid(&self, x: f32) -> bool {
         match self.valid {
-            Valid::Any => true,
+            // Squares of larger ones, and products with them, may be none.
+            Valid::Any => x.abs() <= 1e6,
             Valid::Share => (0.0..=1.0).contains(&x),
             Valid::NotNegative => x >= 0.0,
             Valid::Positive => x > 0.0,
@@ -243,10 +244,10 @@ impl Number {
             (Valid::Share, _) => "a number from 0 to 1",
             (Valid::AtLeastOne, _) => "a number of at least 1",
             (Valid::Ior, _) => "0, or a number of at least 1",
-            (Valid::Any, Unit::None) => "a number",
-            (Valid::Any, Unit::Metres) => "metres",
-            (Valid::Any, Unit::Nanometres) => "nanometres",
-            (Valid::Any, Unit::Degrees) => "degrees",
+            (Valid::Any, Unit::None) => "a number from -1e6 to 1e6",
+            (Valid::Any, Unit::Metres) => "metres from -1e6 to 1e6",
+            (Valid::Any, Unit::Nanometres) => "nanometres from -1e6 to 1e6",
+            (Valid::Any, Unit::Degrees) => "degrees from -1e6 to 1e6",
             (Valid::NotNegative, Unit::None) => "a number that isn't negative",
             (Valid::NotNegative, Unit::Metres) => "metres, not negative",
             (Valid::NotNegative, Unit::Nanometres) => "nanometres, not negative",

@@ -113,6 +113,14 @@ fn alpha_cutoff(material: &Material) -> Constant {
     })
 }
 
+/// After how many metres light has the attenuation colour, or would have one.
+fn attenuation_distance(material: &Material) -> f32 {
+    match material.attenuation_distance {
+        distance if distance.is_finite() => distance,
+        _ => 1.0,
+    }
+}
+
 /// All keys of `[material.NAME]` but `blend`.
 pub const PARAMETERS: [Parameter; 36] = [
     row(
@@ -161,7 +169,10 @@ pub const PARAMETERS: [Parameter; 36] = [
         "emission_strength",
         "Emission strength",
         log(Valid::NotNegative, 0.0, 1000.0, Unit::None),
-        Field::Number(|_| 1.0, |m, strength| m.emission *= strength),
+        Field::Number(
+            |_| 1.0,
+            |m, strength| m.emission = (m.emission * strength).min(Vec3::MAX),
+        ),
         "factor on the emission, on glTF's own where `emission` is absent",
     )
     .common()
@@ -208,7 +219,10 @@ pub const PARAMETERS: [Parameter; 36] = [
             |_| 1.0,
             |m, opacity| {
                 m.base_color.w = opacity;
-                m.alpha_mode = AlphaMode::Blend;
+                // Where alpha is ignored its picture may have any, which must not count for what is there as a whole.
+                if opacity < 1.0 || m.alpha_mode != AlphaMode::Opaque {
+                    m.alpha_mode = AlphaMode::Blend;
+                }
             },
         ),
         "how much of the surface is there, in place of what alpha means in glTF",
@@ -283,15 +297,20 @@ pub const PARAMETERS: [Parameter; 36] = [
         "attenuation_color",
         "Attenuation colour",
         SHARE_COLOR,
-        Field::Shown(|_| Constant::Color(Vec3::ONE)),
+        Field::Color(
+            |m| m.attenuation_color,
+            |m, color| m.attenuate(color, attenuation_distance(m)),
+        ),
         "white light has this colour after the attenuation distance",
     ),
     row(
         "attenuation_distance",
         "Attenuation distance",
         log(Valid::Positive, 0.0001, 10.0, Unit::Metres),
-        Field::Shown(|_| Constant::Number(1.0)),
-        "way through the body",
+        Field::Number(attenuation_distance, |m, distance| {
+            m.attenuate(m.attenuation_color, distance);
+        }),
+        "way through the body; 1 where neither look nor glTF file says it",
     ),
     row(
         "dispersion",

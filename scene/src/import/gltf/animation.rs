@@ -4,6 +4,7 @@ use super::document::Document;
 use super::hierarchy::describe;
 use super::sampler::{Interpolation, Sampler};
 use crate::import::error::{At as _, Fault, ImportError, Warnings};
+use crate::import::format::Described;
 use crate::moment::{Animation, Moment, Motion};
 use glam::{DQuat, DVec3};
 use serde_json::Value;
@@ -249,32 +250,43 @@ impl Tracks {
     }
 }
 
-/// All animations of a file.
-pub(super) fn describe_all(document: &Document) -> Result<Vec<Animation>, ImportError> {
-    let all = list(document)?;
-    let describe = |(number, name): (usize, String)| {
-        let mut tracks = Tracks::default();
-        tracks.add(document, number, &HashSet::new())?;
-        let [start, end] = tracks.range().map(f64::from);
+/// All animations of a file. Those that make no sense have nothing but a name; what is wrong with the first of them is told.
+pub(super) fn describe_all(document: &Document) -> Result<Described, ImportError> {
+    let mut described = Described::default();
+    for (number, name) in names(list(document)?).enumerate() {
         let mut animation = Animation {
             name,
-            start,
-            end,
             ..Animation::default()
         };
-        let mut seen = HashSet::new();
-        for channel in &tracks.channels {
-            animation.channels[channel.path as usize] += 1;
-            if seen.insert(channel.node) {
-                let name = document.root.nodes[channel.node].name.clone();
-                animation
-                    .nodes
-                    .push(name.unwrap_or_else(|| format!("node {}", channel.node)));
-            }
+        match describe_one(document, number, &mut animation) {
+            Ok(()) => {}
+            Err(problem) if described.problem.is_none() => described.problem = Some(problem),
+            Err(_) => {}
         }
-        Ok(animation)
-    };
-    names(all).enumerate().map(describe).collect()
+        described.animations.push(animation);
+    }
+    Ok(described)
+}
+
+fn describe_one(
+    document: &Document,
+    number: usize,
+    animation: &mut Animation,
+) -> Result<(), ImportError> {
+    let mut tracks = Tracks::default();
+    tracks.add(document, number, &HashSet::new())?;
+    [animation.start, animation.end] = tracks.range().map(f64::from);
+    let mut seen = HashSet::new();
+    for channel in &tracks.channels {
+        animation.channels[channel.path as usize] += 1;
+        if seen.insert(channel.node) {
+            let name = document.root.nodes[channel.node].name.clone();
+            animation
+                .nodes
+                .push(name.unwrap_or_else(|| format!("node {}", channel.node)));
+        }
+    }
+    Ok(())
 }
 
 /// The animations as they are written.

@@ -12,7 +12,7 @@ use crate::input::{FileId, Files};
 use gltf::json;
 use json::validation::USize64;
 use serde_json::Value;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::io;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -58,6 +58,8 @@ pub(super) struct Document {
     pub(super) environments: Vec<Option<Value>>,
     /// `animations`, whatever that is; null where none are wanted.
     pub(super) animations: Value,
+    /// Its morph targets have more than positions, normals and tangents.
+    morphs_others: bool,
     /// Where it lies.
     pub(super) files: Arc<dyn Files>,
     /// What decoding may still take.
@@ -105,6 +107,7 @@ impl Document {
             root,
             environments,
             animations,
+            morphs_others,
         } =
             json_text::parse(&file[parts.json.clone()], is_read, with_animations).map_err(|error| match error {
                 JsonError::Invalid(source) => ImportError::Json {
@@ -126,6 +129,7 @@ impl Document {
             root,
             environments,
             animations,
+            morphs_others,
             budget: Arc::clone(budget),
             id: files.id(path),
             length,
@@ -143,10 +147,20 @@ impl Document {
         Ok(document)
     }
 
-    /// Takes its own size for a reason to decode so much more.
+    /// Takes its own size for a reason to decode so much more, and so for each pose of a mesh beyond the first.
     pub(super) fn allow(&self) {
-        self.budget
-            .allow(self.id.clone(), self.length + self.size());
+        let bytes = self.length + self.size();
+        self.budget.allow(self.id.clone(), bytes);
+        self.budget.allow_poses(bytes, self.further_poses());
+    }
+
+    /// How often a mesh is shown in another pose: by a further skin, or with further weights.
+    fn further_poses(&self) -> u64 {
+        let nodes = self.root.nodes.iter();
+        let posed = nodes.filter(|node| node.skin.is_some() || node.weights.is_some());
+        let mut seen = HashSet::new();
+        let meshes = posed.filter_map(|node| node.mesh);
+        meshes.filter(|mesh| !seen.insert(mesh.value())).count() as u64
     }
 
     /// A buffer without data is legal as long as nothing reads it: it stands for what an extension would decompress.
@@ -314,8 +328,13 @@ impl Document {
         }
     }
 
-    /// One warning for each optional extension that would change the picture.
-    pub(super) fn warn_of_extensions(&self, warnings: &mut Warnings) {
+    /// One warning for each optional extension that would change the picture, and one for what morph targets can't change.
+    pub(super) fn warn_of_unread(&self, warnings: &mut Warnings) {
+        if self.morphs_others {
+            warnings.push(
+                "morph targets change positions, normals and tangents; their colours and texture coordinates are ignored",
+            );
+        }
         let of_materials = self
             .root
             .materials

@@ -47,6 +47,9 @@ const ROOT: [&str; 16] = [
     "skins",
 ];
 
+/// What is read of a morph target.
+const MORPHED: [&str; 3] = ["POSITION", "NORMAL", "TANGENT"];
+
 /// What was read.
 pub(super) struct Parsed {
     pub(super) root: json::Root,
@@ -54,6 +57,8 @@ pub(super) struct Parsed {
     pub(super) environments: Vec<Option<Value>>,
     /// `animations`, whatever that is; null where it isn't wanted.
     pub(super) animations: Value,
+    /// Morph targets have more than [`MORPHED`], which no type keeps.
+    pub(super) morphs_others: bool,
 }
 
 /// Why JSON can't be read.
@@ -76,6 +81,7 @@ pub(super) fn parse(
         text: Vec::new(),
         environments: Vec::new(),
         animations: Value::Null,
+        morphs_others: false,
         with_animations,
         left: FREE + FACTOR * text.len() as u64,
         is_read,
@@ -95,6 +101,7 @@ pub(super) fn parse(
             root,
             environments: rewriter.environments,
             animations: rewriter.animations,
+            morphs_others: rewriter.morphs_others,
         }),
         // Reading the text itself gives the same error with its own line and column.
         Err(error) if text.len() <= MAX_READ_AGAIN => Err(JsonError::Invalid(
@@ -110,6 +117,7 @@ struct Rewriter {
     text: Vec<u8>,
     environments: Vec<Option<Value>>,
     animations: Value,
+    morphs_others: bool,
     with_animations: bool,
     /// Bytes that values may still take; 0 once one was refused.
     left: u64,
@@ -125,6 +133,9 @@ enum Place {
     Scene,
     SceneExtras,
     Animations,
+    /// The morph targets of a primitive, and one of them.
+    Targets,
+    Target,
     /// Whatever has a type.
     Typed,
     Name,
@@ -162,6 +173,7 @@ impl<'r> Part<'r> {
             (Place::Extensions, key) if !(self.to.is_read)(key) => None,
             (Place::Extensions, _) => Some(Place::Untyped),
             (_, "extensions") => Some(Place::Extensions),
+            (Place::Typed, "targets") => Some(Place::Targets),
             _ => Some(Place::Typed),
         }
     }
@@ -278,6 +290,7 @@ impl<'de> Visitor<'de> for Part<'_> {
         self.weigh(2 * OTHER)?;
         let place = match self.place {
             Place::Scenes => Place::Scene,
+            Place::Targets => Place::Target,
             Place::Untyped | Place::UntypedName | Place::SceneExtras | Place::Animations => {
                 Place::Untyped
             }
@@ -320,6 +333,9 @@ impl<'de> Visitor<'de> for Part<'_> {
                 }
                 Some(place) => {
                     has_nodes |= key == "nodes";
+                    self.to.morphs_others |= self.place == Place::Target
+                        && place == Place::Typed
+                        && !MORPHED.contains(&key.as_str());
                     self.member(&key, place, &mut is_first, &mut map)?;
                 }
                 None => {
@@ -369,6 +385,7 @@ mod tests {
             root,
             environments,
             animations,
+            ..
         } = parsed(
             r#"{"asset": {"version": "2.0", "extras": {"x": [1]}}, "unknown": [[[]]], "animations": 7, "scene": 1.0,
                 "scenes": [{"extras": {"environment": {"constant": [1, 0.5, -2.0]}}}, {"name": "b", "nodes": [0]}, {}],

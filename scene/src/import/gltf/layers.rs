@@ -5,9 +5,9 @@ use glam::Vec3;
 use gltf::json;
 use serde_json::{Map, Value};
 
-use super::reader::{Reader, other_transform};
+use super::reader::{MOST, Reader, other_transform};
 use crate::import::error::Fault;
-use crate::{Material, TextureRef, absorption};
+use crate::{Material, TextureRef};
 
 type Extension<'e> = &'e Map<String, Value>;
 
@@ -59,8 +59,9 @@ fn volume(reader: &mut Reader<'_>, e: Extension<'_>, material: &mut Material) ->
     material.is_solid = reader.number(e, "thicknessFactor", 0.0) > 0.0;
     let color = reader.color(e, "attenuationColor", Vec3::ONE);
     let distance = reader.number(e, "attenuationDistance", f32::INFINITY);
+    material.attenuation_color = color;
     if distance > 0.0 && distance.is_finite() {
-        material.absorption = absorption(color, distance);
+        material.attenuate(color, distance);
     }
     Ok(())
 }
@@ -105,7 +106,9 @@ fn coat(reader: &mut Reader<'_>, e: Extension<'_>, material: &mut Material) -> R
     material.coat_roughness_texture = reader.picture(e, "clearcoatRoughnessTexture", false)?;
     material.coat_normal_texture = reader.picture(e, "clearcoatNormalTexture", false)?;
     if let Some(normal) = e.get("clearcoatNormalTexture").and_then(Value::as_object) {
-        material.coat_normal_scale = reader.number(normal, "scale", 1.0);
+        let scale = reader.number(normal, "scale", 1.0);
+        material.coat_normal_scale =
+            reader.within("clearcoatNormalTexture.scale", scale, -MOST, MOST, 1.0);
     }
     Ok(())
 }
@@ -116,7 +119,8 @@ fn anisotropy(
     material: &mut Material,
 ) -> Result<(), Fault> {
     material.anisotropy = reader.share(e, "anisotropyStrength", 0.0);
-    material.anisotropy_rotation = reader.number(e, "anisotropyRotation", 0.0);
+    let rotation = reader.number(e, "anisotropyRotation", 0.0);
+    material.anisotropy_rotation = reader.within("anisotropyRotation", rotation, -MOST, MOST, 0.0);
     material.anisotropy_texture = reader.picture(e, "anisotropyTexture", false)?;
     Ok(())
 }
@@ -240,5 +244,35 @@ mod tests {
         let m = &imported.scene.materials[0];
         assert_eq!((m.transmission, m.dispersion), (1.0, 0.0));
         assert_eq!(imported.warnings.len(), 2, "{:?}", imported.warnings);
+    }
+
+    #[test]
+    fn numbers_that_grow_beyond_all_bounds_are_left_out_with_a_warning() {
+        let mut tree = square();
+        let picture = json!({ "index": 0, "scale": 1e38 });
+        tree["textures"] = json!([{}]);
+        tree["materials"] = json!([{
+            "emissiveFactor": [1e30, 0, 1],
+            "normalTexture": picture,
+            "extensions": {
+                "KHR_materials_emissive_strength": { "emissiveStrength": 1e30 },
+                "KHR_materials_clearcoat": { "clearcoatNormalTexture": { "index": 0, "scale": 1e300 } },
+                "KHR_materials_anisotropy": { "anisotropyRotation": 1e300 },
+            },
+        }]);
+        let imported = import(tree).unwrap();
+        let m = &imported.scene.materials[0];
+        assert_eq!(m.emission, Vec3::new(0.0, 0.0, 1e30));
+        assert_eq!((m.normal_scale, m.coat_normal_scale), (1e6, 1.0));
+        assert_eq!(m.anisotropy_rotation, 0.0);
+        let warnings = imported.warnings.join("\n");
+        for says in [
+            "emissiveFactor times emissiveStrength is inf",
+            "normalTexture.scale",
+            "clearcoatNormalTexture.scale",
+            "anisotropyRotation",
+        ] {
+            assert!(warnings.contains(says), "{says}: {warnings}");
+        }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::document::Document;
 use super::layers;
-use super::reader::{ImageRequests, Reader, other_transform};
+use super::reader::{ImageRequests, MOST, Reader, other_transform};
 use crate::import::error::{At as _, Fault, ImportError, Warnings};
 use crate::import::pictures::Album as _;
 use crate::{AlphaMode, Material};
@@ -77,7 +77,7 @@ fn material(reader: &mut Reader<'_>, source: &json::Material) -> Result<Material
             false,
         )?;
         material.normal_scale =
-            reader.within("normalTexture.scale", normal.scale, f32::MIN, f32::MAX, 1.0);
+            reader.within("normalTexture.scale", normal.scale, -MOST, MOST, 1.0);
     }
     if let Some(extensions) = &source.extensions {
         extensions_of(reader, extensions, &mut material)?;
@@ -94,7 +94,9 @@ fn extensions_of(
     material.unlit = extensions.unlit.is_some();
     if let Some(strength) = &extensions.emissive_strength {
         let strength = strength.emissive_strength.0;
-        material.emission *= reader.within("emissiveStrength", strength, 0.0, f32::MAX, 1.0);
+        let strength = reader.within("emissiveStrength", strength, 0.0, f32::MAX, 1.0);
+        let emission = (material.emission * strength).to_array();
+        material.emission = reader.positive3("emissiveFactor times emissiveStrength", emission);
     }
     if let Some(ior) = &extensions.ior {
         // 0 stands for an infinite index, as the extension defines it: all light is reflected.

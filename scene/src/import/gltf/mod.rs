@@ -31,10 +31,10 @@ mod tests;
 
 use super::budget::Budget;
 use super::error::{ImportError, Warnings};
-use super::format::{Format, Imported, Opened, Request};
+use super::format::{Described, Format, Imported, Opened, Request};
 use super::merge::make_names_unique;
 use crate::input::Files;
-use crate::{Animation, Environment, LightGroups, Motion, Scene};
+use crate::{Environment, LightGroups, Motion, Scene};
 use animation::Tracks;
 use document::Document;
 use nodes::{Kept, Stage};
@@ -98,7 +98,7 @@ impl Opened for File {
         self.document.allow();
     }
 
-    fn animations(&self) -> Result<Vec<Animation>, ImportError> {
+    fn animations(&self) -> Result<Described, ImportError> {
         animation::describe_all(&self.document)
     }
 }
@@ -139,7 +139,7 @@ fn assemble(
     request: Request<'_>,
 ) -> Result<Imported, ImportError> {
     let mut warnings = Warnings::default();
-    document.warn_of_extensions(&mut warnings);
+    document.warn_of_unread(&mut warnings);
     let places = tracks.at(request.moment, &mut warnings);
     let nodes = hierarchy::resolve(document, request.placement, &places, &mut warnings)?;
     let (mut materials, requests) = materials::read(document, &mut warnings)?;

@@ -1,7 +1,8 @@
 //! Files that move, in miniature.
 
-use super::tests::{floats, import, import_at, square};
+use super::tests::{floats, import, import_at, import_within, square};
 use crate::import::Importer;
+use crate::import::budget::Budget;
 use crate::input::{Disk, FileId, Files};
 use crate::{Moment, Motion, Scene};
 use glam::Vec3;
@@ -157,6 +158,36 @@ fn skins_follow_their_joints() {
     );
 }
 
+/// A crowd: each of its nodes has a skin of its own.
+#[test]
+fn a_mesh_may_be_posed_many_times() {
+    let corner = |i: usize| [i % 3, i / 3 % 2, i % 2].map(|x| x as f32);
+    let corners: Vec<f32> = (0..600).flat_map(corner).collect();
+    let crowd = |skin: fn(usize) -> usize| {
+        let mut tree = json!({});
+        let positions = accessor(&mut tree, &corners, "VEC3");
+        // Without data: all vertices hang on the first joint, and stay where they are.
+        for (ty, component) in [("joints", 5121), ("weights", 5126)] {
+            list(&mut tree, "accessors").push(json!({
+                "componentType": component, "count": 600, "type": "VEC4", "name": ty,
+            }));
+        }
+        let attributes = json!({
+            "POSITION": positions, "JOINTS_0": positions + 1, "WEIGHTS_0": positions + 2,
+        });
+        tree["meshes"] = json!([{ "primitives": [{ "attributes": attributes }] }]);
+        tree["skins"] = vec![json!({ "joints": [0] }); 40].into();
+        let person = |number: usize| json!({ "mesh": 0, "skin": skin(number) });
+        tree["nodes"] = (0..40).map(person).collect();
+        // What its bytes explain, and nothing else.
+        import_within(tree, &Moment::default(), Budget::new(0))
+    };
+    let one = crowd(|_| 0).expect("they share a pose").scene;
+    assert_eq!((one.meshes.len(), one.instances.len()), (1, 40));
+    let many = crowd(|number| number).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(many.scene.meshes.len(), 40);
+}
+
 #[test]
 fn animations_that_fight_are_not_mixed() {
     let mut tree = square();
@@ -232,6 +263,33 @@ fn malformed_animations_are_refused_with_their_place() {
         // At rest nobody asks.
         import(tree).expect("nothing of it is shown");
     }
+}
+
+#[test]
+fn an_animation_plays_whatever_is_wrong_with_others() {
+    let mut tree = square();
+    tree["asset"] = json!({ "version": "2.0" });
+    animate(&mut tree, 0, "scale", &[1.0, 0.0], &RIGHT);
+    animate(&mut tree, 0, "translation", &[0.0, 1.0], &RIGHT);
+    let named = |name: &str| Moment {
+        seconds: 0.5,
+        motion: Motion::Named(name.to_owned()),
+    };
+    let moved = import_at(tree.clone(), &named("translation")).expect("it is sound");
+    assert_eq!(moved.scene.instances[0].transform.translation.x, 2.0);
+    let broken = import_at(tree.clone(), &named("scale")).map(drop);
+    let broken = broken.expect_err("its times go back").to_string();
+    assert!(broken.contains("animation 0"), "{broken}");
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("a.gltf");
+    std::fs::write(&path, serde_json::to_vec(&tree).expect("it is JSON")).expect("written");
+    let animations = Importer::new().animations(&path).expect("it is read");
+    let told = animations.iter().map(|a| (a.name.as_str(), a.end));
+    let expected = [("scale", 0.0), ("translation", 1.0)];
+    assert_eq!(told.collect::<Vec<_>>(), expected);
+    // Whoever asks for what there is hears of it.
+    let problem = crate::import::animations(&path).expect_err("one makes no sense");
+    assert!(problem.to_string().contains("animation 0"), "{problem}");
 }
 
 #[test]

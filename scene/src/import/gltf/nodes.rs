@@ -1,5 +1,6 @@
 //! What hangs on the visible nodes: instances of meshes, lights and cameras.
 
+use super::accessor::Accessor;
 use super::animation::Places;
 use super::deform::Pose;
 use super::document::Document;
@@ -338,25 +339,28 @@ fn placements(
         }
         Ok(Some(accessor))
     };
-    let translations = attribute("TRANSLATION", 3)?.map(|a| a.all::<3>());
-    let rotations = attribute("ROTATION", 4)?.map(|a| a.all::<4>());
-    let scales = attribute("SCALE", 3)?.map(|a| a.all::<3>());
-    let counts = [
-        translations.as_ref().map(Vec::len),
-        rotations.as_ref().map(Vec::len),
-        scales.as_ref().map(Vec::len),
-    ];
-    let Some(count) = counts.into_iter().flatten().next() else {
+    let translations = attribute("TRANSLATION", 3)?;
+    let rotations = attribute("ROTATION", 4)?;
+    let scales = attribute("SCALE", 3)?;
+    let given = [&translations, &rotations, &scales];
+    let counts: Vec<u32> = given.into_iter().flatten().map(Accessor::count).collect();
+    let Some(&count) = counts.first() else {
         return Ok(vec![*world]);
     };
-    if counts.into_iter().flatten().any(|other| other != count) {
+    if counts.iter().any(|&other| other != count) {
         return Err("its attributes have different lengths".into());
     }
+    // Places that can't be used and are left out take their time, too.
+    let bytes = (size_of::<DAffine3>() + size_of::<Affine3A>()) as u64;
+    document.budget.take(u64::from(count), bytes)?;
+    let translations = translations.map(|a| a.all::<3>());
+    let rotations = rotations.map(|a| a.all::<4>());
+    let scales = scales.map(|a| a.all::<3>());
     let vector = |list: &Option<Vec<[f32; 3]>>, i: usize, default| match list {
         Some(list) => DVec3::from(list[i].map(f64::from)),
         None => default,
     };
-    Ok((0..count)
+    Ok((0..count as usize)
         .map(|i| {
             let rotation = rotations.as_ref().and_then(|list| unit_quaternion(list[i]));
             *world

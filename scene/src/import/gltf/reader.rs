@@ -13,6 +13,9 @@ use std::collections::HashMap;
 /// Pictures in the order in which they become `Scene::images`: index in the file, and whether RGB is sRGB-encoded.
 pub(super) type ImageRequests = Vec<(usize, bool)>;
 
+/// Scales of normal maps and angles are no larger: their squares would be no numbers any more.
+pub(super) const MOST: f32 = 1e6;
+
 pub(super) struct Reader<'a> {
     root: &'a json::Root,
     pub(super) requests: ImageRequests,

@@ -18,11 +18,20 @@ pub(super) fn import(tree: Value) -> Result<Imported, ImportError> {
 
 /// As it is at a moment.
 pub(super) fn import_at(tree: Value, moment: &Moment) -> Result<Imported, ImportError> {
+    import_within(tree, moment, Budget::for_geometry())
+}
+
+/// As it is with a budget.
+pub(super) fn import_within(
+    tree: Value,
+    moment: &Moment,
+    budget: Budget,
+) -> Result<Imported, ImportError> {
     let mut tree = tree;
     tree["asset"] = json!({ "version": "2.0" });
     let text = serde_json::to_vec(&tree).unwrap();
     let path = Path::new("dir/test.gltf");
-    let budget = Arc::new(Budget::for_geometry());
+    let budget = Arc::new(budget);
     let files: Arc<dyn Files> = Arc::new(Disk);
     let document = parse(&files, path, text, &budget, true)?;
     let request = Request {
@@ -507,6 +516,23 @@ fn morph_targets_are_applied_at_their_default_weights() {
 }
 
 #[test]
+fn what_morph_targets_cannot_change_is_told() {
+    for (target, is_read) in [
+        (json!({ "POSITION": 1 }), true),
+        (json!({ "POSITION": 1, "extras": { "COLOR_0": 1 } }), true),
+        (json!({ "COLOR_0": 1 }), false),
+        (json!({ "TEXCOORD_0": 1 }), false),
+    ] {
+        let mut tree = square();
+        tree["meshes"][0]["primitives"][0]["targets"] = json!([{ "NORMAL": 1 }, target]);
+        tree["meshes"][0]["weights"] = json!([0, 1]);
+        let warnings = import(tree).unwrap().warnings.join("\n");
+        let is_told = warnings.contains("colours and texture coordinates are ignored");
+        assert_eq!(is_told, !is_read, "{target}: {warnings}");
+    }
+}
+
+#[test]
 fn pieces_know_the_topmost_node_above_them() {
     let mut tree = square();
     tree["nodes"] = json!([
@@ -611,6 +637,21 @@ fn gpu_instancing_places_a_mesh_many_times() {
         .collect();
     assert_eq!(x, [2.0, 4.0, 6.0]);
     assert_eq!(scene.instanced_triangles(), 6);
+}
+
+#[test]
+fn instances_without_a_size_cannot_buy_time() {
+    let mut tree = square();
+    let scales = json!({ "componentType": 5126, "count": 1 << 22, "type": "VEC3" });
+    tree["accessors"].as_array_mut().unwrap().push(scales);
+    let extension = json!({ "EXT_mesh_gpu_instancing": { "attributes": { "SCALE": 2 } } });
+    let node = json!({ "mesh": 0, "extensions": extension });
+    tree["nodes"] = vec![node; 1000].into();
+    let message = error(tree.clone());
+    assert!(message.contains("EXT_mesh_gpu_instancing"), "{message}");
+    assert!(message.contains("far more than the size of its files"));
+    tree["accessors"][2]["count"] = 3.into();
+    assert!(scene(tree).instances.is_empty());
 }
 
 #[test]
