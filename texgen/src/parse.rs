@@ -4,9 +4,11 @@
 //! rest is tried again, until naga is content or nothing can be blamed.
 
 mod brackets;
+mod unfinished;
 
-use crate::diagnostic::{Diagnostic, Diagnostics, SourceFile};
+use crate::diagnostic::{Diagnostic, Diagnostics};
 use crate::habits::Habit;
+use crate::libraries::Whole;
 use crate::prelude::STUBS;
 use crate::recover::Attempt;
 use crate::scope::Outline;
@@ -21,11 +23,12 @@ const MAX_ERRORS: usize = 20;
 /// # Errors
 /// All errors naga can be made to show.
 pub(crate) fn parse<'a>(
-    file: &SourceFile,
+    whole: &Whole,
     outline: &Outline<'a>,
     custom: &[String],
     habits: &[Habit<'a>],
 ) -> Result<naga::Module, Diagnostics> {
+    let file = &whole.file;
     if let Some(comment) = outline.tokens.unclosed() {
         // It would swallow what is put behind the file, and naga's places would lie there.
         let start = comment.start;
@@ -34,7 +37,9 @@ pub(crate) fn parse<'a>(
             .with_note("close it with `*/`; comments within it need their own")
             .into());
     }
-    if let Some(problem) = brackets::unclosed(file, outline, habits) {
+    let broken_off = brackets::unclosed(file, outline, habits)
+        .or_else(|| unfinished::unfinished(whole, outline, habits));
+    if let Some(problem) = broken_off {
         return Err(problem.into());
     }
     let mut tail = format!("\n{STUBS}\n");
@@ -64,24 +69,39 @@ pub(crate) fn parse<'a>(
             Err(problem) => problem,
         };
         edits.undo(&mut problem);
+        // The validator, which names the function, has read all.
+        let is_of_parser = problem.function.is_none();
         if problem.is_unplaced() {
             problem = attempt.place(problem);
         }
+        attempt.tell_operands(&mut problem);
+        let place = problem.labels.first().map(|(span, _)| span.start);
+        attempt.count(text.len(), place.filter(|_| is_of_parser));
         problem.sort_labels(outline);
         let is_new = !attempt.has_caused(&problem);
         let goes_on = attempt.mend(&problem);
+        let is_last = tried >= MAX_ERRORS || attempt.has_read_enough();
         if is_new {
             let mut diagnostic = problem.into_diagnostic(file, outline);
-            if goes_on && tried >= MAX_ERRORS {
+            if goes_on && is_last {
                 let note = "there may be more errors than these: correct them first";
                 diagnostic = diagnostic.with_note(note);
             }
-            problems.push(diagnostic);
+            if !is_told(&problems, &diagnostic) {
+                problems.push(diagnostic);
+            }
         }
-        if !goes_on || tried >= MAX_ERRORS {
+        if !goes_on || is_last {
             break;
         }
     }
     problems.sort();
     Err(problems)
+}
+
+/// Whether the last of the problems is this one: what was cut out hasn't mended it.
+fn is_told(problems: &Diagnostics, diagnostic: &Diagnostic) -> bool {
+    let place = |one: &Diagnostic| one.labels.first().map(|label| label.span.start);
+    let last = problems.as_slice().last();
+    last.is_some_and(|last| last.message == diagnostic.message && place(last) == place(diagnostic))
 }

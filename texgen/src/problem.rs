@@ -8,9 +8,14 @@ use plain::in_plain_words;
 
 use crate::diagnostic::{Diagnostic, SourceFile};
 use crate::scope::{GlobalKind, Outline};
-use crate::wording::{expected, in_user_terms, plain_message, plain_notes, remedies};
+use crate::wording::{
+    expected, in_user_terms, parameter_to_copy, plain_message, plain_notes, remedies,
+};
 
 pub(crate) use plain::refused_operator;
+
+/// A number such as `2.0`, which becomes an `f32` by itself, but no integer.
+pub(crate) const FRACTION: &str = "a number with a fraction";
 
 /// An error of naga's in a text.
 #[derive(Debug)]
@@ -63,6 +68,22 @@ impl Problem {
         expected(&self.message) == Some("`;`")
     }
 
+    /// Whether a `break if` stands where there can't be one.
+    pub(crate) fn is_of_break_if(&self) -> bool {
+        self.message.starts_with("A break if")
+    }
+
+    /// Whether cases of a `switch` don't go together.
+    pub(crate) fn is_of_cases(&self) -> bool {
+        let first = self.labels.first();
+        first.is_some_and(|(_, text)| text.ends_with("switch arm here"))
+    }
+
+    /// Whether a number that has no type of its own stands beside something that it doesn't become like, and naga says no more.
+    pub(crate) fn is_of_mixture(&self) -> bool {
+        plain::is_of_mixture(&self.message)
+    }
+
     /// The function of the file that the error lies in.
     pub(crate) fn function_in(&self, outline: &Outline<'_>) -> Option<usize> {
         let by_name = self.function.as_ref().and_then(|name| {
@@ -92,8 +113,10 @@ impl Problem {
             in_plain_words(&self.message).unwrap_or_else(|| (in_user_terms(&self.message), None));
         if ended {
             // naga read on into the prelude: it wanted more of the file.
-            let expected = message.split(", found").next().unwrap_or_default();
-            message = format!("{expected}, found the end of the file");
+            message = match expected(&self.message) {
+                Some(what) => format!("expected {what}, found the end of the file"),
+                None => "something is missing at the end of the file".to_owned(),
+            };
         }
         let mut diagnostic = Diagnostic::error(message);
         let mut labels: Vec<_> = self
@@ -138,7 +161,11 @@ impl Problem {
                 diagnostic = diagnostic.with_secondary(file, span, text);
             }
         }
-        for note in plain_notes(&self.notes).into_iter().chain(remedy) {
+        let notes = match parameter_to_copy(&found, outline) {
+            Some(note) => vec![note],
+            None => plain_notes(&self.notes),
+        };
+        for note in notes.into_iter().chain(remedy) {
             diagnostic = diagnostic.with_note(note);
         }
         if ended {

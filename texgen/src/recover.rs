@@ -37,8 +37,8 @@ pub(crate) struct Attempt<'o, 'a> {
     lost: Vec<Lost<'a>>,
     /// What comes behind the file's text.
     tail: String,
-    /// Bytes that were read for the places of errors.
-    searched: usize,
+    /// What was read of it, as [`Self::cost`] counts.
+    read: u64,
     /// How each function is left early.
     ways_out: Vec<WayOut>,
     statements: OnceCell<Statements>,
@@ -77,6 +77,12 @@ struct WayOut {
 /// A result type of more bytes than this isn't written into each `return` of its function.
 const LONG_TYPE: usize = 100;
 
+/// No more than this is read of a file, as [`Attempt::cost`] counts: some seconds. What is wrong beyond is told once that is mended.
+const MOST_READ: u64 = 10 << 20;
+
+/// So many pairs of a function's tokens take naga as long as a byte of the text: for each expression it goes through all before it.
+const PAIRS_IN_A_BYTE: u64 = 512;
+
 /// How much of the file is tried.
 struct Part<'p> {
     /// The functions that have their bodies.
@@ -99,7 +105,7 @@ impl<'o, 'a> Attempt<'o, 'a> {
             semicolons: BTreeSet::new(),
             gone: BTreeSet::new(),
             lost: Vec::new(),
-            searched: 0,
+            read: 0,
             ways_out: ways_out(outline, &names.text),
             statements: OnceCell::new(),
             mentions: OnceCell::new(),
@@ -120,6 +126,31 @@ impl<'o, 'a> Attempt<'o, 'a> {
                 Err(problem)
             }
         }
+    }
+
+    /// What naga's work on a text costs, in bytes of a text of short functions. Those that have their bodies are given, and the token
+    /// that it stops at in one of them.
+    fn cost(&self, bytes: usize, functions: Range<usize>, end: Option<usize>) -> u64 {
+        let with_bodies = functions.filter(|index| !self.stubs.contains(index));
+        let pairs = with_bodies.map(|index| {
+            let body = &self.outline.functions[index].body;
+            let end = end.filter(|end| body.contains(end)).unwrap_or(body.end);
+            let tokens = (end - body.start) as u64;
+            tokens * tokens
+        });
+        bytes as u64 + pairs.sum::<u64>() / PAIRS_IN_A_BYTE
+    }
+
+    /// Counts a try of the whole file, a text of so many bytes. Of its parser's errors naga reads no further than the first.
+    pub(crate) fn count(&mut self, bytes: usize, stopped_at: Option<usize>) {
+        let tokens = &self.outline.tokens.tokens;
+        let end = stopped_at.map(|place| tokens.partition_point(|token| token.end() <= place));
+        self.read += self.cost(bytes, 0..self.outline.functions.len(), end);
+    }
+
+    /// Whether more would take too long.
+    pub(crate) fn has_read_enough(&self) -> bool {
+        self.read > MOST_READ
     }
 
     /// Cuts out tokens that are no WGSL, and with them names that they would declare: at module scope, or in the
@@ -178,10 +209,40 @@ impl<'o, 'a> Attempt<'o, 'a> {
         }
         match self.function_at(at) {
             Some(function) if self.is_in_body(function, at) => {
-                self.cut_statement(at) || self.stubs.insert(function)
+                self.cut_all(problem, at) || self.cut_statement(at) || self.stubs.insert(function)
             }
             _ => self.drop_global(at),
         }
+    }
+
+    /// Cuts out all of a statement where the problem would stay with what is left of it: a `break if` that stands in no
+    /// `continuing`, a `switch` whose cases don't go together. False where it is another problem, or that was done before.
+    fn cut_all(&mut self, problem: &Problem, at: usize) -> bool {
+        if problem.is_of_cases() {
+            let switch = self.switch_around(at);
+            return switch.is_some_and(|switch| self.cut_statement(switch));
+        }
+        let statement = self.statement(at).filter(|_| problem.is_of_break_if());
+        let tokens = statement.map(|statement| statement.tokens);
+        let is_there = |tokens: &Range<usize>| !tokens.is_empty() && !self.is_cut(tokens.start);
+        let Some(tokens) = tokens.filter(is_there) else {
+            return false;
+        };
+        self.cut(tokens, Instead::Nothing);
+        true
+    }
+
+    /// The first token of the innermost `switch` around another one.
+    fn switch_around(&self, at: usize) -> Option<usize> {
+        let function = self.function_at(at)?;
+        let start = self.outline.functions[function].body.start;
+        let before = self.statements().among(&(start..at + 1));
+        let around = before.iter().rev().find(|statement| {
+            let is_switch = self.outline.word(statement.tokens.start) == "switch";
+            let block = statement.block.filter(|_| is_switch);
+            block.is_some_and(|block| at <= self.outline.closing(block))
+        });
+        Some(around?.tokens.start)
     }
 
     /// Puts a `;` in front of a token that begins a line or ends a block, once.
@@ -474,5 +535,48 @@ impl Edits {
             Some((text, file)) if text.start < offset => file.start,
             _ => before.map_or(offset, |(text, file)| offset - text.end + file.end),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn little_is_read_of_functions_that_take_long() {
+        let tries = |text: &str, stopped_at: Option<usize>| {
+            let outline = Outline::new(text);
+            let mut attempt = Attempt::new(&outline, String::new());
+            let count = |tries: &usize| {
+                attempt.count(text.len(), stopped_at);
+                attempt.has_read_enough() || *tries >= 1000
+            };
+            (1..).find(count)
+        };
+        let long = format!("fn f() {{ {} }}", "x+=1;".repeat(8_000));
+        let short = "fn f() { x+=1; }".repeat(500);
+        assert_eq!(tries(&long, None), Some(4));
+        assert!(tries(&long, Some(100)) > Some(200));
+        assert_eq!(tries(&short, None), Some(1000));
+    }
+
+    #[test]
+    fn nothing_is_searched_once_enough_was_read() {
+        let text = "fn f() { } fn userProc(v: vec3f) -> f32 { return v[3]; }";
+        let outline = Outline::new(text);
+        let mut attempt = Attempt::new(&outline, String::new());
+        let (whole, _) = attempt.text();
+        let unplaced = |attempt: &Attempt<'_, '_>| {
+            let problem = attempt.check(&whole).expect_err("an index beyond the end");
+            assert!(problem.is_unplaced());
+            problem
+        };
+        let problem = unplaced(&attempt);
+        let placed = attempt.place(problem);
+        let span = placed.labels.first().map(|(span, _)| span.clone());
+        assert_eq!(span.map(|span| &text[span]), Some("v[3]"));
+        attempt.read = MOST_READ;
+        let problem = unplaced(&attempt);
+        assert!(attempt.place(problem).is_unplaced());
     }
 }

@@ -83,7 +83,7 @@ pub(crate) fn too_deep(file: &SourceFile, outline: &Outline<'_>) -> Option<Diagn
                 outline.span(at),
                 format!("more than {MAX_COPIED} names and operators up to here"),
             )
-            .with_note("put tables into images, or into `array<T, N>` parameters of `userProc`, which are read in place"),
+            .with_note("read a table through one function, so that it is named once; or put tables into images, or into `array<T, N>` parameters of `userProc`, which are read in place"),
         );
     }
     let entry = outline.function("userProc")?;

@@ -179,14 +179,7 @@ impl Rewriter<'_, '_> {
             let ty = self.outline.span_of(&param.ty);
             self.edits
                 .retain(|edit| !(ty.start <= edit.span.start && edit.span.end <= ty.end));
-            self.edits.push(TextEdit {
-                span: ty.start..ty.start,
-                pieces: vec![Piece::Text("u32 /* ".into())],
-            });
-            self.edits.push(TextEdit {
-                span: ty.end..ty.end,
-                pieces: vec![Piece::Text(" */".into())],
-            });
+            self.offset_type(ty);
             for at in entry.body.clone() {
                 if self.outline.roles[at] != Role::Local(param.name) {
                     continue;
@@ -207,6 +200,19 @@ impl Rewriter<'_, '_> {
                     self.replace(name.end..name.end, ")");
                 }
             }
+        }
+    }
+
+    /// The type of an array parameter's offset, with what the file has there as a comment, unless it holds comments that would end that.
+    fn offset_type(&mut self, ty: Range<usize>) {
+        let comments = &self.outline.tokens.comments;
+        let first = comments.partition_point(|comment| comment.start < ty.start);
+        if comments.get(first).is_some_and(|one| one.start < ty.end) {
+            let lines = self.outline.text[ty.clone()].matches('\n').count();
+            self.replace(ty, format!("u32{}", "\n".repeat(lines)));
+        } else {
+            self.replace(ty.start..ty.start, "u32 /* ");
+            self.replace(ty.end..ty.end, " */");
         }
     }
 

@@ -99,7 +99,7 @@ impl TextureType {
         let custom = custom_names(&attributes);
         let habits = habits(&file, &outline);
         problems.extend(habits.iter().map(|habit| habit.diagnostic.clone()));
-        let module = match parse::parse(&file, &outline, &custom, &habits) {
+        let module = match parse::parse(whole, &outline, &custom, &habits) {
             Ok(module) if problems.is_empty() => module,
             Ok(_) => return Err(problems),
             Err(found) => {

@@ -33,11 +33,11 @@ impl PrivateMemory {
     /// Works it out from the texture's source.
     pub fn of(texture: &TextureType) -> Self {
         // With the files that it uses.
-        let file = &texture.whole().file;
-        let outline = Outline::new(file.text());
+        let whole = texture.whole();
+        let outline = Outline::new(whole.file.text());
         let custom = custom_names(texture.attributes());
         // It was parsed before, so it can be parsed again.
-        let Ok(module) = parse::parse(file, &outline, &custom, &[]) else {
+        let Ok(module) = parse::parse(whole, &outline, &custom, &[]) else {
             return Self::default();
         };
         let mut sizes: HashMap<Handle<Function>, u32> = HashMap::new();

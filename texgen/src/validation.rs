@@ -9,15 +9,21 @@ use std::ops::Range;
 use naga::common::DiagnosticDisplay;
 use naga::front::Typifier;
 use naga::proc::{ResolveContext, TypeResolution};
-use naga::valid::{CallError, ComposeError, ExpressionError, FunctionError, ValidationError};
+use naga::valid::{
+    CallError, ComposeError, ExpressionError, FunctionError, LiteralError, ValidationError,
+    WidthError,
+};
 use naga::{
-    BinaryOperator, Expression, Function, Handle, Module, ScalarKind, Span, Statement, TypeInner,
-    UnaryOperator, WithSpan,
+    BinaryOperator, Expression, Function, Handle, Module, ScalarKind, Span, Statement, SwitchCase,
+    SwitchValue, TypeInner, UnaryOperator, WithSpan,
 };
 
 use places::{Side, argument, find, from_last_break, head, mention};
 
-use crate::problem::{Conversion, Problem};
+use crate::problem::{Conversion, FRACTION, Problem};
+
+/// No more expressions than this are looked through for the one that a number belongs to.
+const MOST_BETWEEN: usize = 256;
 
 /// The error in terms of the text.
 pub(crate) fn problem(error: &WithSpan<ValidationError>, module: &Module, text: &str) -> Problem {
@@ -174,6 +180,23 @@ impl Places<'_> {
                 );
                 self.look_at_use(*value, statement, problem);
             }
+            FunctionError::ConflictingSwitchCase(value) => {
+                let number = match value {
+                    SwitchValue::I32(number) => number.to_string(),
+                    SwitchValue::U32(number) => number.to_string(),
+                    SwitchValue::Default => "default".to_owned(),
+                };
+                problem.message = format!("this `switch` has more than one `case` for `{number}`");
+                // naga shows the second one, if anything is in it.
+                if !problem.is_of_cases() {
+                    let is_theirs = |case: &&SwitchCase| case.value == *value;
+                    let statement = self.statement(|one| {
+                        matches!(one, Statement::Switch { cases, .. } if cases.iter().filter(is_theirs).count() > 1)
+                    });
+                    let place = statement.map(|statement| head(self.text, &statement));
+                    self.look_at(place, problem);
+                }
+            }
             FunctionError::InvalidArgumentType { index, .. }
             | FunctionError::InvalidArgumentPointerSpace { index, .. } => {
                 let mut expressions = self.function.expressions.iter();
@@ -268,7 +291,10 @@ impl Places<'_> {
                 }
             }
             ExpressionError::Compose(ComposeError::ComponentType { index }) => {
-                self.member(whole, *index as usize, problem);
+                self.component(whole, *index as usize, problem);
+            }
+            ExpressionError::Literal(LiteralError::Width(WidthError::Abstract)) => {
+                self.mixture(whole, problem);
             }
             ExpressionError::MissingCapabilities(_) => {
                 problem.message = "this is not available in textures: not every GPU has it".into();
@@ -277,27 +303,136 @@ impl Places<'_> {
         }
     }
 
-    /// A member that is given something of another type where a struct is made.
-    fn member(&self, whole: Handle<Expression>, index: usize, problem: &mut Problem) {
+    /// A part that is given something of another type where a struct, an array, a matrix or a vector is made.
+    fn component(&self, whole: Handle<Expression>, index: usize, problem: &mut Problem) {
         let Expression::Compose { ty, components } = &self.function.expressions[whole] else {
             return;
         };
-        let (TypeInner::Struct { members, .. }, Some(&given)) =
-            (&self.module.types[*ty].inner, components.get(index))
-        else {
+        let Some(&given) = components.get(index) else {
             return;
         };
         let within = self.own_span(whole);
-        if let (Some(member), Some(found)) = (members.get(index), self.type_of(given)) {
-            let name = member.name.as_deref().unwrap_or_default();
-            let wanted = self.name_of(member.ty);
-            problem.message = format!("member `{name}` is to be `{wanted}`, not `{found}`");
-            self.offer_conversion(given, &found, &wanted, within.as_ref(), problem);
+        if let Some(found) = self.type_of(given)
+            && let Some((part, wanted)) = self.wanted(*ty, index, given)
+        {
+            problem.message = format!("{part} is to be `{wanted}`, not `{found}`");
+            if shape(&found) == shape(&wanted) {
+                self.offer_conversion(given, &found, &wanted, within.as_ref(), problem);
+            }
         }
         let place = within
             .as_ref()
-            .and_then(|within| argument(self.text, within, index, members.len()));
+            .and_then(|within| argument(self.text, within, index, components.len()));
         self.look_at(place.or(within), problem);
+    }
+
+    /// What a part of a value is called, and the type that it is to have.
+    fn wanted(
+        &self,
+        whole: Handle<naga::Type>,
+        index: usize,
+        given: Handle<Expression>,
+    ) -> Option<(String, String)> {
+        let number = index + 1;
+        let name = self.name_of(whole);
+        Some(match &self.module.types[whole].inner {
+            TypeInner::Struct { members, .. } => {
+                let member = members.get(index)?;
+                let called = member.name.as_deref().unwrap_or_default();
+                (format!("member `{called}`"), self.name_of(member.ty))
+            }
+            TypeInner::Array { base, .. } => {
+                (format!("element {number} of `{name}`"), self.name_of(*base))
+            }
+            &TypeInner::Matrix { rows, scalar, .. } => (
+                format!("column {number} of `{name}`"),
+                self.name_of_inner(TypeInner::Vector { size: rows, scalar }),
+            ),
+            &TypeInner::Vector { scalar, .. } => {
+                // It is made of numbers, and of smaller vectors.
+                let wanted = match self.inner(given)? {
+                    TypeInner::Vector { size, .. } => TypeInner::Vector { size, scalar },
+                    _ => TypeInner::Scalar(scalar),
+                };
+                (
+                    format!("argument {number} of `{name}`"),
+                    self.name_of_inner(wanted),
+                )
+            }
+            _ => return None,
+        })
+    }
+
+    /// A number without a type of its own that stands beside something which it doesn't become like.
+    fn mixture(&self, number: Handle<Expression>, problem: &mut Problem) {
+        let Some((whole, op, [left, right])) = self.mixed_operands(number) else {
+            return;
+        };
+        let (number, other, side) = match self.is_abstract(left) {
+            true => (left, right, Side::Last),
+            false => (right, left, Side::First),
+        };
+        let Some(ty) = self.type_of(other) else {
+            return;
+        };
+        let is_whole = self.scalar_kind(number) == Some(ScalarKind::AbstractInt);
+        let said = if is_whole { "a whole number" } else { FRACTION };
+        let operator = binary_operator(op);
+        problem.message = match side {
+            Side::First => format!("`{operator}` can't take `{ty}` and {said}"),
+            Side::Last => format!("`{operator}` can't take {said} and `{ty}`"),
+        };
+        let within = self.own_span(whole);
+        self.look_at(within.clone(), problem);
+        let within = within.as_ref();
+        if let Some(span) = within.and_then(|within| self.place(other, within, side)) {
+            problem.labels.push((span, ty.clone()));
+        }
+        if !is_whole {
+            self.offer_conversion(other, &ty, "f32", within, problem);
+        }
+    }
+
+    /// The innermost operator around a number without a type of its own that has such a number on one side only.
+    fn mixed_operands(
+        &self,
+        number: Handle<Expression>,
+    ) -> Option<(Handle<Expression>, BinaryOperator, [Handle<Expression>; 2])> {
+        let (mut part, mut innermost) = (number, None);
+        let expressions = self.function.expressions.iter();
+        let behind = expressions.skip_while(|(handle, _)| *handle != number);
+        for (handle, expression) in behind.take(MOST_BETWEEN) {
+            match expression {
+                Expression::Splat { value, .. } if *value == part => part = handle,
+                Expression::Unary { expr, .. } if *expr == part => part = handle,
+                Expression::Compose { components, .. } if components.contains(&part) => {
+                    part = handle;
+                }
+                &Expression::Binary { op, left, right } => {
+                    if innermost.is_none() && self.is_abstract(left) != self.is_abstract(right) {
+                        innermost = Some((handle, op, [left, right]));
+                    }
+                    if left == part || right == part {
+                        return innermost;
+                    }
+                }
+                _ => {}
+            }
+        }
+        None
+    }
+
+    /// Whether something is made of numbers without a type of their own.
+    fn is_abstract(&self, expression: Handle<Expression>) -> bool {
+        let kind = self.scalar_kind(expression);
+        matches!(
+            kind,
+            Some(ScalarKind::AbstractFloat | ScalarKind::AbstractInt)
+        )
+    }
+
+    fn scalar_kind(&self, expression: Handle<Expression>) -> Option<ScalarKind> {
+        self.inner(expression)?.scalar_kind()
     }
 
     /// The first label is there, where the place is known.
@@ -459,23 +594,31 @@ impl Places<'_> {
         DiagnosticDisplay((ty, self.module.to_ctx())).to_string()
     }
 
+    fn name_of_inner(&self, inner: TypeInner) -> String {
+        let resolution = TypeResolution::Value(inner);
+        DiagnosticDisplay((&resolution, self.module.to_ctx())).to_string()
+    }
+
     /// The type of what a pointer points to.
     fn pointee(&self, pointer: Handle<Expression>) -> Option<String> {
-        let inner = self.inner(pointer)?;
-        let resolution = match inner {
-            TypeInner::Pointer { base, .. } => TypeResolution::Handle(base),
+        Some(match self.inner(pointer)? {
+            TypeInner::Pointer { base, .. } => self.name_of(base),
             TypeInner::ValuePointer {
                 size: None, scalar, ..
-            } => TypeResolution::Value(TypeInner::Scalar(scalar)),
+            } => self.name_of_inner(TypeInner::Scalar(scalar)),
             TypeInner::ValuePointer {
                 size: Some(size),
                 scalar,
                 ..
-            } => TypeResolution::Value(TypeInner::Vector { size, scalar }),
+            } => self.name_of_inner(TypeInner::Vector { size, scalar }),
             _ => return None,
-        };
-        Some(DiagnosticDisplay((&resolution, self.module.to_ctx())).to_string())
+        })
     }
+}
+
+/// What is in front of the type that a vector is made of, as WGSL writes it; nothing of a number.
+fn shape(ty: &str) -> &str {
+    ty.split_once('<').map_or("", |(shape, _)| shape)
 }
 
 fn is_within(inner: &Range<usize>, outer: &Range<usize>) -> bool {

@@ -4,11 +4,14 @@ use std::ops::Range;
 
 use crate::habits::instead_of;
 use crate::prelude::prelude_names;
-use crate::scope::{Outline, Role};
+use crate::scope::{GlobalKind, Outline, Role};
 use crate::suggest::did_you_mean;
 
 /// naga's note on an error of its own parser's that is the file's doing.
 const PARSER_DEPTH: &str = "Parser recursion limit exceeded";
+
+/// The beginning of naga's notes on the types that a number can't become.
+const NOT_CONVERTED: &str = "the expression couldn't be converted to have ";
 
 /// naga's notes, with its lists of types in one line and without the types that textures don't have.
 pub(crate) fn plain_notes(notes: &[String]) -> Vec<String> {
@@ -24,7 +27,10 @@ pub(crate) fn plain_notes(notes: &[String]) -> Vec<String> {
         .collect();
     let mut plain: Vec<String> = notes
         .iter()
-        .filter(|note| allowed(note).is_none() && *note != PARSER_DEPTH)
+        .filter(|note| {
+            let is_internal = *note == PARSER_DEPTH || note.starts_with(NOT_CONVERTED);
+            allowed(note).is_none() && !is_internal
+        })
         .cloned()
         .collect();
     if let Some(last) = plain.last_mut().filter(|_| !types.is_empty()) {
@@ -101,7 +107,8 @@ pub(crate) fn expected(message: &str) -> Option<&str> {
 
 /// naga's message without what belongs to its own tables and structures: `Expression [7]`, `Array { base: [3], .. }`.
 pub(crate) fn plain_message(message: &str) -> String {
-    if message.starts_with("naga::") {
+    let is_of_abstract = message.starts_with("this expression has type ");
+    if message.starts_with("naga::") || is_of_abstract && message.contains("{Abstract") {
         return String::new();
     }
     without_structures(&type_names(without_handles(message)))
@@ -208,7 +215,11 @@ pub(crate) fn remedies(
         if let Some(note) = instead_of(word) {
             notes.push(note);
         } else if let Some(near) = did_you_mean(word, names_in_scope(outline, place.start)) {
-            notes.push(format!("did you mean `{near}`?"));
+            if near != word {
+                notes.push(format!("did you mean `{near}`?"));
+            } else if message.contains("no definition in scope") {
+                notes.push(not_a_value(word));
+            }
         }
     }
     if expected(&message).is_some_and(|what| what.contains("`{`")) {
@@ -218,9 +229,59 @@ pub(crate) fn remedies(
         notes.push("WGSL has no recursion: use a loop, with a bounded number of iterations".into());
     }
     if message.contains("redefinition") {
-        notes.push("names of functions, structs, constants and aliases are unique within a file: rename one of them".into());
+        notes.push(unique_within(place.start, outline).into());
     }
     notes
+}
+
+/// Why a name that there is means no value at a place, and what to do.
+fn not_a_value(word: &str) -> String {
+    if !BUILTINS.split_whitespace().any(|name| name == word) {
+        return format!(
+            "a variable is known from behind its declaration to the end of the block: declare `{word}` further up or out"
+        );
+    }
+    let is_type = matches!(word, "bool" | "f32" | "i32" | "u32")
+        || word.starts_with("vec")
+        || word.starts_with("mat");
+    let what = if is_type { "type" } else { "function" };
+    format!("`{word}` is a {what}: write `{word}(...)`")
+}
+
+/// Where the name that is declared again at a place has to be the only one.
+fn unique_within(place: usize, outline: &Outline<'_>) -> &'static str {
+    let mut globals = outline.globals.iter();
+    let around = globals.find(|global| outline.span_of(&global.tokens).contains(&place));
+    let is_its_own = around
+        .and_then(|global| global.name)
+        .is_some_and(|name| outline.span(name).contains(&place));
+    match around.map(|global| global.kind) {
+        Some(GlobalKind::Function) if !is_its_own => {
+            "names of variables are unique within a block, those of parameters within a function: rename one of them"
+        }
+        Some(GlobalKind::Struct) if !is_its_own => {
+            "names of members are unique within their struct: rename one of them"
+        }
+        _ => {
+            "names of functions, structs, constants and aliases are unique within a file: rename one of them"
+        }
+    }
+}
+
+/// What to do where a parameter is assigned to; naga takes it for a `let`.
+pub(crate) fn parameter_to_copy(
+    labels: &[(Range<usize>, String)],
+    outline: &Outline<'_>,
+) -> Option<String> {
+    let mut labels = labels.iter();
+    let (declared, _) = labels.find(|(_, text)| text == "this is an immutable binding")?;
+    let functions = outline.functions.iter();
+    let mut parameters = functions.flat_map(|function| &function.params);
+    let parameter = parameters.find(|parameter| outline.span(parameter.name) == *declared)?;
+    let name = outline.word(parameter.name);
+    Some(format!(
+        "a parameter can't be changed; copy it: `var my_{name} = {name};`"
+    ))
 }
 
 /// WGSL's own names that a texture is likely to want.

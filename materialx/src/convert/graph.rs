@@ -295,8 +295,8 @@ impl Converter<'_> {
         value
     }
 
-    /// The definition of a node as a graph, where the document has one. Of several that give its type it is the first that takes
-    /// all that the node is given, or else the first.
+    /// The definition of a node as a graph, where the document has one. Of several that give its type those count that take all that
+    /// the node is given, or else all.
     fn definition(&self, id: ElementId) -> Option<(ElementId, ElementId)> {
         let document = self.document;
         let node = document.element(id);
@@ -304,14 +304,34 @@ impl Converter<'_> {
             Some(name) => document.child(Document::ROOT, "nodedef", name),
             None => {
                 let definitions = document.definitions(&node.kind).iter().copied();
-                let mut giving = definitions.filter(|&definition| self.gives(definition, id));
-                let fitting = giving
-                    .clone()
-                    .find(|&definition| self.takes(definition, id));
-                fitting.or_else(|| giving.next())
+                let giving: Vec<ElementId> = definitions
+                    .filter(|&definition| self.gives(definition, id))
+                    .collect();
+                let mut taking = giving.clone();
+                taking.retain(|&definition| self.takes(definition, id));
+                let fitting = if taking.is_empty() { giving } else { taking };
+                self.of_version(&fitting, node.attribute("version"))
             }
         }?;
         Some((definition, document.implementation(definition)?))
+    }
+
+    /// Of several definitions the one of a version, or else the default one, or else the first (MaterialX specification, "Versioned
+    /// definitions").
+    fn of_version(&self, definitions: &[ElementId], wanted: Option<&str>) -> Option<ElementId> {
+        let document = self.document;
+        let is_wanted = |&definition: &ElementId| {
+            let version = document.element(definition).attribute("version");
+            wanted.is_some() && version.map(without_zeros) == wanted.map(without_zeros)
+        };
+        let is_default = |&definition: &ElementId| {
+            let default = document.element(definition).attribute("isdefaultversion");
+            default == Some("true")
+        };
+        let mut all = definitions.iter().copied();
+        let found = all.clone().find(is_wanted);
+        let found = found.or_else(|| all.clone().find(is_default));
+        found.or_else(|| all.next())
     }
 
     /// Whether a definition has an output of a node's type. Those that it inherits count where it declares none.
@@ -441,6 +461,11 @@ impl Converter<'_> {
         }
         Some(Value::Numbers(ty, values))
     }
+}
+
+/// A version without the zeros that it may end with: `2.0` is `2`.
+fn without_zeros(version: &str) -> &str {
+    version.trim_end_matches(".0")
 }
 
 /// How many metres, degrees or whatever MaterialX reckons in are one of a unit.

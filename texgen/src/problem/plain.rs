@@ -2,6 +2,16 @@
 
 use crate::wording::plain_message;
 
+/// What naga says of a number without a type of its own beside something that it doesn't become like.
+const MIXTURES: [&str; 2] = [
+    "failed to convert expression to a concrete type",
+    "Abstract types may only appear in constant expressions",
+];
+
+pub(super) fn is_of_mixture(message: &str) -> bool {
+    MIXTURES.contains(&message)
+}
+
 /// naga's message as an author of a texture understands it, and what to do. None where others have words for it.
 pub(super) fn in_plain_words(message: &str) -> Option<(String, Option<String>)> {
     let said = |text: &str| Some((text.to_owned(), None));
@@ -29,6 +39,12 @@ pub(super) fn in_plain_words(message: &str) -> Option<(String, Option<String>)> 
         return said(&format!(
             "index {index} is beyond the end of what is indexed here"
         ));
+    }
+    if is_of_mixture(message) {
+        let text = "a number meets something here that it doesn't go with";
+        let remedy =
+            "convert one of them: a number with a fraction, as `2.0`, goes with `f32` only";
+        return Some((text.to_owned(), Some(remedy.to_owned())));
     }
     let operator = refused_operator(message)?;
     let plain = plain_message(message);
@@ -107,6 +123,10 @@ mod tests {
             (
                 "Index 3 is out of bounds for expression [3]",
                 "index 3 is beyond the end of what is indexed here",
+            ),
+            (
+                "Abstract types may only appear in constant expressions",
+                "a number meets something here that it doesn't go with",
             ),
             (
                 "Incompatible operands: LogicalAnd(f32, _)",

@@ -6,17 +6,17 @@
 
 use std::ops::Range;
 
-use super::{Attempt, Part};
-use crate::problem::{Problem, refused_operator};
-use crate::scope::{GlobalKind, Role};
+use super::{Attempt, MOST_READ, Part};
+use crate::problem::{Conversion, FRACTION, Problem, refused_operator};
+use crate::scope::{GlobalKind, Role, skip_template};
 use crate::tokens::TokenKind;
 use crate::verdict;
 
-/// No more bytes than this are read for the places of all errors of a file.
-const MOST_SEARCHED: usize = 16 << 20;
+/// The first step, in statements, of a search in a long function.
+const FIRST_STEP: usize = 32;
 
 /// No more expressions of a statement than this are looked at.
-const MOST_INDEXED: usize = 4;
+const MOST_TRIED: usize = 4;
 
 /// What naga says of a part of the file.
 enum Verdict {
@@ -33,6 +33,13 @@ struct Indexed {
     expression: Range<usize>,
     /// Its `]`.
     close: usize,
+}
+
+/// A number with a fraction and the other operand of an operator, in tokens.
+struct Mixture {
+    operator: usize,
+    number: usize,
+    other: Range<usize>,
 }
 
 impl Attempt<'_, '_> {
@@ -103,11 +110,16 @@ impl Attempt<'_, '_> {
 
     /// What naga says of a part of the file. None where enough was tried.
     fn try_part(&mut self, part: &Part<'_>) -> Option<Verdict> {
-        if self.searched > MOST_SEARCHED {
+        if self.has_read_enough() {
             return None;
         }
         let (text, edits) = self.text_of(part);
-        self.searched += text.len();
+        let end = part.end.map(|(end, _)| end);
+        let cost = self.cost(text.len(), part.functions.clone(), end);
+        if self.read + cost > MOST_READ {
+            return None;
+        }
+        self.read += cost;
         Some(match self.check(&text) {
             Ok(_) => Verdict::Right,
             Err(problem) if problem.is_unplaced() => Verdict::Unplaced(problem),
@@ -126,8 +138,8 @@ impl Attempt<'_, '_> {
                 continue;
             }
             let text = &self.names.text[outline.span_of(&global.tokens)];
-            self.searched += text.len();
-            if self.searched > MOST_SEARCHED {
+            self.read += text.len() as u64;
+            if self.has_read_enough() {
                 break;
             }
             if verdict::check(text).is_err_and(|error| error.is_unplaced()) {
@@ -146,9 +158,17 @@ impl Attempt<'_, '_> {
         problem.function = Some(outline.word(decl.name).to_owned());
         let ends = self.ends(&decl.body);
         let mut found = None;
-        let (mut low, mut high) = (0, ends.len());
+        let (mut low, mut high, mut step) = (0, ends.len(), FIRST_STEP);
         while low < high {
-            let middle = low + (high - low) / 2;
+            // From the beginning on as long as there is no error: a long function's end costs most.
+            let half = (high - low) / 2;
+            let ahead = if found.is_some() {
+                half
+            } else {
+                half.min(step)
+            };
+            let middle = low + ahead;
+            step = step.saturating_mul(2);
             let part = Part {
                 functions: function..function + 1,
                 end: Some((ends[middle], "")),
@@ -256,7 +276,7 @@ impl Attempt<'_, '_> {
     ) -> Option<(Indexed, String)> {
         let all = self.indexed(statement);
         let is_only = all.len() == 1;
-        for one in all.into_iter().take(MOST_INDEXED) {
+        for one in all.into_iter().take(MOST_TRIED) {
             let ty = self.type_of(function, statement.start, &one.expression);
             let has_components = |ty: &str| {
                 let kinds = ["vec", "mat", "array", "ptr"];
@@ -306,6 +326,140 @@ impl Attempt<'_, '_> {
         let ty = got.strip_suffix('`')?;
         // A number without a type of its own is shown in braces.
         (!ty.contains('{')).then(|| ty.to_owned())
+    }
+
+    /// Names the operator that has a number with a fraction beside an integer, where naga says no more than that a statement mixes them.
+    pub(crate) fn tell_operands(&mut self, problem: &mut Problem) {
+        let place = problem.labels.first().map(|(span, _)| span.start);
+        let Some(place) = place.filter(|_| problem.is_of_mixture()) else {
+            return;
+        };
+        let tokens = &self.outline.tokens.tokens;
+        let at = tokens.partition_point(|token| token.end() <= place);
+        let function = self.function_at(at);
+        let Some(function) = function.filter(|&function| self.is_in_body(function, at)) else {
+            return;
+        };
+        let Some(statement) = self.statement(at).map(|statement| statement.tokens) else {
+            return;
+        };
+        for mixture in self.mixtures(&statement).into_iter().take(MOST_TRIED) {
+            let Some(ty) = self.type_of(function, statement.start, &mixture.other) else {
+                continue;
+            };
+            if let Some(to) = float_like(&ty) {
+                self.tell_mixture(&mixture, ty, to, problem);
+                return;
+            }
+        }
+    }
+
+    fn tell_mixture(&self, mixture: &Mixture, ty: String, to: &str, problem: &mut Problem) {
+        let &Mixture {
+            operator,
+            number,
+            ref other,
+        } = mixture;
+        let operands = match number < operator {
+            true => format!("{FRACTION} and `{ty}`"),
+            false => format!("`{ty}` and {FRACTION}"),
+        };
+        problem.message = format!("`{}` can't take {operands}", self.outline.word(operator));
+        problem.notes.clear();
+        let whole = other.start.min(number)..other.end.max(number + 1);
+        let whole = self.outline.span_of(&whole);
+        let other = self.outline.span_of(other);
+        problem.labels = vec![(whole, String::new()), (other.clone(), ty)];
+        problem.conversion = Some(Box::new(Conversion {
+            operand: Some(other),
+            name: None,
+            to: to.to_owned(),
+        }));
+    }
+
+    /// The operators of a statement that have a number with a fraction on one side. First those without such numbers on the other
+    /// side: once they are mended, the types around them are others.
+    fn mixtures(&self, statement: &Range<usize>) -> Vec<Mixture> {
+        let mut found = Vec::new();
+        for operator in statement.start + 1..statement.end {
+            let is_operator = matches!(self.outline.word(operator), "*" | "/" | "%" | "+" | "-");
+            if !is_operator || !self.ends_operand(operator - 1) {
+                continue;
+            }
+            let is_negative = self.outline.word(operator + 1) == "-";
+            let [before, behind] = [operator - 1, operator + 1 + usize::from(is_negative)];
+            let (number, other) = match [before, behind].map(|at| self.is_fraction(at)) {
+                [true, false] => (before, self.operand_behind(operator, statement.end)),
+                [false, true] => (behind, self.operand_before(operator, statement.start)),
+                _ => continue,
+            };
+            found.push(Mixture {
+                operator,
+                number,
+                other,
+            });
+        }
+        found.sort_by_key(|mixture| mixture.other.clone().any(|at| self.is_fraction(at)));
+        found
+    }
+
+    /// Whether a token is a number with a fraction, which has no type of its own.
+    fn is_fraction(&self, at: usize) -> bool {
+        let token = self.outline.tokens.tokens.get(at);
+        token.is_some_and(|token| {
+            let text = token.text;
+            let is_hexadecimal = text.starts_with("0x") || text.starts_with("0X");
+            let is_decimal = token.kind == TokenKind::Number && !is_hexadecimal;
+            is_decimal && text.contains(['.', 'e', 'E']) && !text.ends_with(['f', 'h'])
+        })
+    }
+
+    /// The left operand of an operator: products belong together, and in front of a sum all that is added up.
+    fn operand_before(&self, operator: usize, limit: usize) -> Range<usize> {
+        let is_sum = matches!(self.outline.word(operator), "+" | "-");
+        let mut first = self.first_of_operand(operator - 1, limit);
+        while first >= limit + 2 {
+            let belongs = match self.outline.word(first - 1) {
+                "*" | "/" | "%" => true,
+                "+" | "-" => is_sum,
+                _ => false,
+            };
+            if !belongs || !self.ends_operand(first - 2) {
+                break;
+            }
+            first = self.first_of_operand(first - 2, limit);
+        }
+        first..operator
+    }
+
+    /// The right operand of an operator: of a sum a whole product.
+    fn operand_behind(&self, operator: usize, limit: usize) -> Range<usize> {
+        let is_sum = matches!(self.outline.word(operator), "+" | "-");
+        let mut end = self.end_of_operand(operator + 1, limit);
+        while is_sum && end < limit && matches!(self.outline.word(end), "*" | "/" | "%") {
+            end = self.end_of_operand(end + 1, limit);
+        }
+        operator + 1..end
+    }
+
+    /// The token behind the operand that begins with `first`.
+    fn end_of_operand(&self, first: usize, limit: usize) -> usize {
+        let word = |at: usize| self.outline.word(at);
+        let mut at = first;
+        while matches!(word(at), "-" | "!" | "~" | "&" | "*") {
+            at += 1;
+        }
+        if word(at) != "(" {
+            let behind = skip_template(&self.outline.tokens.tokens, at + 1);
+            at = if word(behind) == "(" { behind } else { at + 1 };
+        }
+        loop {
+            at = match word(at) {
+                "(" | "[" => self.outline.closing(at) + 1,
+                "." => at + 2,
+                _ => return at.min(limit),
+            };
+        }
     }
 
     /// All that is indexed in a statement.
@@ -409,4 +563,20 @@ fn begins_expression(word: &str) -> bool {
         word,
         "return" | "if" | "while" | "switch" | "case" | "else" | "const_assert"
     )
+}
+
+/// The type that an integer, or a vector of them, is to become where it meets numbers with fractions. None of other types.
+fn float_like(ty: &str) -> Option<&'static str> {
+    let (shape, scalar) = match ty.split_once('<') {
+        Some((shape, rest)) => (shape, rest.trim_end_matches('>')),
+        None => ("", ty),
+    };
+    let to = match shape {
+        "" => "f32",
+        "vec2" => "vec2f",
+        "vec3" => "vec3f",
+        "vec4" => "vec4f",
+        _ => return None,
+    };
+    matches!(scalar, "i32" | "u32").then_some(to)
 }

@@ -44,15 +44,23 @@ pub(super) fn head(text: &str, statement: &Range<usize>) -> Range<usize> {
     let Some(whole) = text.get(statement.clone()) else {
         return statement.clone();
     };
-    let head = whole.split(['{', ';']).next().unwrap_or_default();
-    let start = statement.start + head.len() - head.trim_start().len();
-    start..start + head.trim().len()
+    let tokens = tokenize(whole).tokens;
+    let mut head = tokens
+        .iter()
+        .take_while(|token| !matches!(token.text, "{" | ";"));
+    let Some(first) = head.next() else {
+        return statement.start..statement.start;
+    };
+    let last = head.last().unwrap_or(first);
+    statement.start + first.start..statement.start + last.end()
 }
 
 /// The end of a loop, where its `break if` stands.
 pub(super) fn from_last_break(text: &str, the_loop: Range<usize>) -> Range<usize> {
     let whole = text.get(the_loop.clone()).unwrap_or_default();
-    let start = the_loop.start + whole.rfind("break").unwrap_or(0);
+    let tokens = tokenize(whole).tokens;
+    let last = tokens.iter().rfind(|token| token.text == "break");
+    let start = the_loop.start + last.map_or(0, |token| token.start);
     start..the_loop.end
 }
 
@@ -124,6 +132,17 @@ mod tests {
         let text = "loop { if a { break; } continuing { break if a; } }";
         let end = from_last_break(text, 0..text.len());
         assert_eq!(&text[end], "break if a; } }");
+    }
+
+    #[test]
+    fn comments_belong_to_no_statement() {
+        let text = "if /* a; b { */ a /* { */ { }";
+        let head = head(text, &(0..text.len()));
+        assert_eq!(&text[head.clone()], "if /* a; b { */ a");
+        assert_eq!(mention(text, &head, "a", Side::First), Some(16..17));
+        let text = "loop { continuing { break if breaks; /* no break */ } }";
+        let end = from_last_break(text, 0..text.len());
+        assert_eq!(&text[end], "break if breaks; /* no break */ } }");
     }
 
     #[test]

@@ -214,6 +214,7 @@ fn constants_that_double_are_refused() {
             &text,
             &[
                 "the constants are too large once they are written out",
+                "through one function, so that it is named once",
                 "`array<T, N>` parameters",
             ],
         );

@@ -181,6 +181,37 @@ fn a_texture_takes_functions_from_shared_files() {
 }
 
 #[test]
+fn a_file_that_breaks_off_is_blamed_itself() {
+    for word in ["const", "fn", "@", "struct", "alias"] {
+        let said = format!("something is missing behind `{word}`");
+        let text = format!("{USER}\n{word} // no more\n");
+        let error = problems(&text, &[("waves", WAVES), ("more", MORE)]);
+        assert!(
+            error.contains(&said) && error.contains("t.wgsl:4:1"),
+            "{error}"
+        );
+        assert!(!error.contains("lib/"), "{error}");
+        let more = format!("{MORE} {word}");
+        let error = problems(USER, &[("waves", WAVES), ("more", &more)]);
+        assert!(
+            error.contains(&said) && error.contains("lib/more.wgsl:1:"),
+            "{error}"
+        );
+        let error = problems(
+            &format!("fn userProc() -> f32 {{ return 1.0; }} {word}"),
+            &[],
+        );
+        assert!(
+            error.contains(&said) && !error.contains("struct` is a reserved"),
+            "{error}"
+        );
+    }
+    // What is open says more.
+    let error = problems("fn userProc() -> f32 { let", &[]);
+    assert!(error.contains("this `{` is not closed"), "{error}");
+}
+
+#[test]
 fn errors_of_shared_files_lie_in_them() {
     let wrong = "fn other() -> f32 { return 1.0; }\nfn wave(x: f32) -> f32 { return sinn(x); }";
     let error = problems(USER, &[("waves", wrong)]);

@@ -231,6 +231,27 @@ fn userProc(/* fn noise( */ x: f32 // patina_stack, dpdx(
 }
 
 #[test]
+fn comments_may_stand_in_the_types_of_array_parameters() {
+    let kernels = [
+        "array<f32, // three */\n3>, b: array<vec3f, /* two */ 2>",
+        "array<f32, /* /* three */ */\n3>, b: array<vec3f, // two /*\n2>",
+        "array<f32, 3>, // three */\nb: array<vec3f, 2> /* two */",
+    ]
+    .map(|types| {
+        let text = format!("fn userProc(a: {types}) -> f32 {{ return a[0] + b[1].x; }}\n// behind");
+        let kernel = valid_kernel(&library(&[("t", &text)]));
+        let start = kernel.find("fn t__userProc").expect("is there");
+        let end = kernel.find("// behind").expect("is there");
+        // Lines stay what they are.
+        let lines = kernel[start..end].matches('\n').count();
+        assert_eq!(lines, text.matches('\n').count(), "{kernel}");
+        kernel
+    });
+    assert!(kernels[0].contains("a: u32\n, b: u32)"), "{}", kernels[0]);
+    assert!(kernels[2].contains("a: u32 /* array<f32, 3> */, //"));
+}
+
+#[test]
 fn names_of_all_scripts_survive() {
     let text = "const Größe = 2.0; struct 構造 { 値: f32 } alias Δ = f32;
 fn épaisseur(ρ: Δ) -> 構造 { return 構造(ρ * Größe); }

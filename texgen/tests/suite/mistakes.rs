@@ -352,3 +352,220 @@ fn odd_lines_of_documentation_are_warned_of() {
         }
     }
 }
+
+#[test]
+fn a_statement_that_cannot_be_mended_is_told_once_and_hides_no_others() {
+    check(
+        "fn userProc(x: f32) -> f32 {
+    loop {
+        break if x > 1.0;
+    }
+    let a = nothing;
+    if x { return 2.0; }
+    return 1.0;
+}",
+        3,
+        &[
+            "a break if is only allowed in a continuing block",
+            "t.wgsl:3:9",
+            "`nothing`",
+            "t.wgsl:5:13",
+            "condition is `f32`",
+            "t.wgsl:6:8",
+        ],
+    );
+    check(
+        "fn userProc(i: i32, x: f32) -> f32 {
+    switch i { case 1: { return 1.0; } case 2, 1: { return 2.0; } default: {} }
+    switch i {
+        case 1, 1: { }
+        default: { }
+    }
+    if x { return 3.0; }
+    return 1.0;
+}",
+        3,
+        &[
+            "more than one `case` for `1`",
+            "t.wgsl:2:53",
+            "more than one `case` for `1`",
+            "t.wgsl:3:5",
+            "condition is `f32`",
+            "t.wgsl:7:8",
+        ],
+    );
+}
+
+#[test]
+fn integers_beside_numbers_with_fractions_are_converted() {
+    for (statements, parts) in [
+        (
+            "let a = i * 2.0; return a;",
+            [
+                "`*` can't take `i32` and a number with a fraction",
+                "t.wgsl:2:9",
+                "convert: `f32(i)`",
+            ],
+        ),
+        (
+            "let a = 2.0 * i; return 1.0;",
+            [
+                "`*` can't take a number with a fraction and `i32`",
+                "t.wgsl:2:9",
+                "convert: `f32(i)`",
+            ],
+        ),
+        (
+            "return 1.0 - i;",
+            [
+                "`-` can't take a number with a fraction and `i32`",
+                "t.wgsl:2:8",
+                "convert: `f32(i)`",
+            ],
+        ),
+        (
+            "if i > 0.5 { return 1.0; } return 2.0;",
+            [
+                "`>` can't take `i32` and a number with a fraction",
+                "t.wgsl:2:4",
+                "convert: `f32(i)`",
+            ],
+        ),
+        (
+            "let a = sin(i / 2 * 0.5); return a;",
+            [
+                "`*` can't take `i32` and a number with a fraction",
+                "t.wgsl:2:13",
+                "convert: `f32(i / 2)`",
+            ],
+        ),
+        (
+            "let a = 1.0 - 2.0 * u32(i); return a;",
+            [
+                "`*` can't take a number with a fraction and `u32`",
+                "t.wgsl:2:15",
+                "convert: `f32(u32(i))`",
+            ],
+        ),
+        (
+            "let a = vec3i(i) * -2.5; return 1.0;",
+            [
+                "`*` can't take `vec3<i32>` and a number with a fraction",
+                "t.wgsl:2:9",
+                "convert: `vec3f(vec3i(i))`",
+            ],
+        ),
+    ] {
+        let text = format!("fn userProc(i: i32) -> f32 {{\n{statements}\n}}");
+        check(&text, 1, &parts);
+    }
+    let report = errors("fn userProc(b: bool) -> f32 { let a = 1 + b; return 1.0; }");
+    assert!(report.contains("a number meets something here"), "{report}");
+    assert!(
+        !report.contains("Abstract") && !report.contains("scalar"),
+        "{report}"
+    );
+}
+
+#[test]
+fn parts_of_a_value_are_told_with_their_types() {
+    for (expression, parts) in [
+        (
+            "vec2f(1.0, i)",
+            [
+                "argument 2 of `vec2<f32>` is to be `f32`, not `i32`",
+                "t.wgsl:2:20",
+                "convert: `f32(i)`",
+            ],
+        ),
+        (
+            "vec4f(vec3i(i), 1.0)",
+            [
+                "argument 1 of `vec4<f32>` is to be `vec3<f32>`, not `vec3<i32>`",
+                "t.wgsl:2:15",
+                "convert: `vec3f(vec3i(i))`",
+            ],
+        ),
+        (
+            "array<f32, 2>(1.0, i)",
+            [
+                "element 2 of `array<f32, 2>` is to be `f32`, not `i32`",
+                "t.wgsl:2:28",
+                "convert: `f32(i)`",
+            ],
+        ),
+        (
+            "array<vec2f, 2>(vec2f(1.0), v)",
+            [
+                "element 2 of `array<vec2<f32>, 2>` is to be `vec2<f32>`, not `vec3<f32>`",
+                "t.wgsl:2:37",
+                "^",
+            ],
+        ),
+        (
+            "mat2x2f(vec2f(1.0), v)",
+            [
+                "column 2 of `mat2x2<f32>` is to be `vec2<f32>`, not `vec3<f32>`",
+                "t.wgsl:2:29",
+                "^",
+            ],
+        ),
+    ] {
+        let text = format!(
+            "fn userProc(i: i32, v: vec3f) -> f32 {{\nlet a = {expression};\nreturn 1.0;\n}}"
+        );
+        check(&text, 1, &parts);
+    }
+}
+
+#[test]
+fn names_that_are_no_values_or_stand_twice_get_the_right_remedy() {
+    let once = |note: &str| format!("= note: names of {note}: rename one of them");
+    for (text, place, note) in [
+        (
+            "fn userProc() -> vec3f { return vec3f; }",
+            "t.wgsl:1:33",
+            "`vec3f` is a type: write `vec3f(...)`".to_owned(),
+        ),
+        (
+            "fn userProc() -> f32 { return sin; }",
+            "t.wgsl:1:31",
+            "`sin` is a function: write `sin(...)`".to_owned(),
+        ),
+        (
+            "fn userProc() -> f32 { { let z = 1.0; } return z; }",
+            "t.wgsl:1:48",
+            "declare `z` further up or out".to_owned(),
+        ),
+        (
+            "fn userProc(x: f32) -> f32 { let a = 1.0; let a = 2.0; return x; }",
+            "t.wgsl:1:47",
+            once("variables are unique within a block, those of parameters within a function"),
+        ),
+        (
+            "fn userProc(x: f32, x: f32) -> f32 { return 1.0; }",
+            "t.wgsl:1:21",
+            once("variables are unique within a block, those of parameters within a function"),
+        ),
+        (
+            "struct S { a: f32, a: f32 }\nfn userProc() -> f32 { return 1.0; }",
+            "t.wgsl:1:20",
+            once("members are unique within their struct"),
+        ),
+        (
+            "fn f() {} fn f() {}\nfn userProc() -> f32 { return 1.0; }",
+            "t.wgsl:1:14",
+            once("functions, structs, constants and aliases are unique within a file"),
+        ),
+        (
+            "fn userProc(x: f32) -> f32 { x = 2.0; return x; }",
+            "t.wgsl:1:30",
+            "a parameter can't be changed; copy it: `var my_x = x;`".to_owned(),
+        ),
+    ] {
+        check(text, 1, &[place, &note]);
+        let report = errors(text);
+        assert!(!report.contains("did you mean"), "{report}");
+        assert!(!report.contains("instead of `let`"), "{report}");
+    }
+}

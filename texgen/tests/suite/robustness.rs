@@ -4,6 +4,28 @@ use std::time::Instant;
 
 use crate::common::parse;
 
+/// naga's work grows with the square of a function, and each error costs a try.
+#[test]
+fn mistakes_of_a_long_function_are_told_after_some_of_them() {
+    let line = |index: usize| format!("let b{index} = a[7]{};\n", " + 1.0".repeat(20));
+    let lines: String = (0..800).map(line).collect();
+    let text = format!("fn userProc() -> f32 {{\nlet a = array<f32, 3>();\n{lines}return 1.0;\n}}");
+    let problems = parse("t", &text).expect_err("indices beyond the end");
+    let report = problems.render();
+    let count = problems.len();
+    assert!((2..10).contains(&count), "{count}");
+    assert!(
+        report.contains("there may be more errors than these"),
+        "{report}"
+    );
+    // Those of short ones are all told.
+    let short: String = (0..15)
+        .map(|i| format!("fn f{i}x() -> f32 {{ let a = array<f32, 3>(); return a[7]; }}\n"))
+        .collect();
+    let text = format!("{short}fn userProc() -> f32 {{ return 1.0; }}");
+    assert_eq!(parse("t", &text).expect_err("the same").len(), 15);
+}
+
 #[test]
 fn deep_and_long_files_are_survived() {
     let entry = "fn userProc(x: f32) -> f32 { return x; }";
