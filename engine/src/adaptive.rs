@@ -68,7 +68,7 @@ impl Goal<'_> {
     }
 
     /// Samples that all pixels begin with.
-    fn first(&self) -> u32 {
+    pub fn first(&self) -> u32 {
         (self.spp / 4 / GRAIN * GRAIN).clamp(GRAIN, FIRST)
     }
 }

@@ -74,10 +74,11 @@ impl Tally {
     }
 
     /// As [`Self::relative_error`], where these pixels are part of a picture of this brightness: in parts whose error is below a limit so, that
-    /// of the whole is, too.
+    /// of the whole is, too. What is black in all samples has no error.
     pub fn error_relative_to(&self, brightness: f64) -> f64 {
         match brightness > 0.0 {
             true => (self.variance / (3 * self.pixels) as f64).sqrt() / brightness,
+            false if self.pixels > 0 && self.variance == 0.0 => 0.0,
             false => f64::INFINITY,
         }
     }
@@ -109,6 +110,14 @@ mod tests {
         assert!((parts.relative_error() / whole.relative_error() - 1.0).abs() < 1e-12);
         assert_eq!(whole.relative_error(), film(&pixels).relative_error());
         assert_eq!(Tally::default().relative_error(), f64::INFINITY);
+    }
+
+    #[test]
+    fn black_has_no_error_once_that_is_known() {
+        assert_eq!(Tally::of(&film(&[(0.0, 0.0); 2])).relative_error(), 0.0);
+        let mut one = Film::new(1, 1);
+        one.add_sample(0, [0.0; 3]);
+        assert_eq!(Tally::of(&one).relative_error(), f64::INFINITY);
     }
 
     #[test]

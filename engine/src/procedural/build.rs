@@ -151,8 +151,12 @@ fn folders(directories: &[PathBuf]) -> String {
         .map(|d| d.display().to_string())
         .collect();
     match shown.is_empty() {
-        true => "none is known; name one with --textures DIR".to_owned(),
-        false => format!("{} (--textures DIR adds one)", shown.join(", ")),
+        true => "none is there; make one called `user_textures` beside the look or in the current folder, or name one with --textures DIR"
+            .to_owned(),
+        false => format!(
+            "{} (--textures DIR adds one; so does a folder `user_textures` beside the look or in the current folder)",
+            shown.join(", ")
+        ),
     }
 }
 

@@ -78,7 +78,7 @@ impl Renderer {
         if touched.camera {
             self.settings.camera = camera.clone();
         }
-        self.frame = self.fresh_frame();
+        self.renew_frame();
         self.write_changes()?;
         if touched != Touched::default() {
             self.restart();

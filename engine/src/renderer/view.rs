@@ -63,16 +63,8 @@ impl Renderer {
         self.film_pixels = 0;
         self.bind();
         self.region = None;
-        self.forget_guides();
         self.frame = self.fresh_frame();
-        self.position = 0;
-        self.burst = Burst::default();
-        self.rendered = 0;
-        self.is_stale = false;
-        self.whole = None;
-        if let Some(irradiance) = &mut self.irradiance {
-            irradiance.restart();
-        }
+        self.restart();
         Ok(())
     }
 
@@ -105,10 +97,8 @@ impl Renderer {
         }
         self.settings = settings;
         self.region = None;
-        let knows_sky = self.frame.knows_sky();
-        self.frame = self.fresh_frame();
+        self.renew_frame();
         if self.knows_whole() {
-            self.frame.set_known_sky(knows_sky);
             self.begin_anew();
         } else {
             self.restart();
@@ -147,7 +137,7 @@ impl Renderer {
     pub fn set_region(&mut self, region: Option<[u32; 4]>) {
         if region != self.region {
             self.region = region;
-            self.frame = self.fresh_frame();
+            self.renew_frame();
         }
     }
 
@@ -160,6 +150,13 @@ impl Renderer {
     /// a few of them.
     pub fn set_smallest_wave(&mut self, paths: u32) {
         self.smallest_wave = paths;
+    }
+
+    /// Tells kernels anew what the picture is of. What is known of the light stays.
+    pub(super) fn renew_frame(&mut self) {
+        let knows_sky = self.frame.knows_sky();
+        self.frame = self.fresh_frame();
+        self.frame.set_known_sky(knows_sky);
     }
 
     pub(super) fn fresh_frame(&self) -> Frame {

@@ -324,8 +324,11 @@ impl Session {
         built: Result<Option<Box<Rebuilt>>, SessionError>,
     ) {
         match built {
-            // Whatever was wrong with the files has been mended.
-            Ok(None) => (self.problems.look, self.problems.scene) = Default::default(),
+            // Whatever was wrong with the files has been mended. The look may be another one by now: what is wrong with it is found again.
+            Ok(None) => {
+                (self.problems.look, self.problems.scene) = Default::default();
+                self.catch_up();
+            }
             Ok(Some(built)) => {
                 let Rebuilt {
                     loaded,

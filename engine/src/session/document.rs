@@ -113,10 +113,11 @@ impl Document {
         &self.path
     }
 
-    /// It lies elsewhere from now on, as after "save as". Paths in it are relative to that place.
+    /// It lies elsewhere from now on, as after "save as". Paths in it are relative to that place, and there is nothing of others there.
     pub fn set_path(&mut self, path: &Path) {
         self.path = path.to_owned();
         self.look.path = path.to_owned();
+        self.others_of_file.clone_from(&self.others);
         self.revision += 1;
     }
 
@@ -576,7 +577,12 @@ mod tests {
         return_to(&mut document, &second);
         assert!(document.leaves_out_others(), "it lacks the later one");
         assert!(document.undo() && !document.leaves_out_others());
+        // Where it is saved as another file there was nothing of them.
+        return_to(&mut document, &first);
+        document.set_path(Path::new("other.look.toml"));
+        assert!(!document.leaves_out_others());
         // What has been decided needs no answer any more.
+        return_to(&mut document, &second);
         return_to(&mut document, &first);
         document.leave_out_others();
         assert!(document.undo() && document.redo());

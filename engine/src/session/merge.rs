@@ -121,9 +121,11 @@ fn bring(base: &[Field], mine: &[Field], theirs: &mut LookDocument, first: First
         conflicts.extend(keys);
     }
     // Edits don't reach these, but a former text may have others.
-    let include = |fields| find(fields, "include").map(|value| value.value.clone());
-    if !is_same_value(&include(base), &include(mine)) {
-        conflicts.push("[[include]]".to_owned());
+    for key in ["include", "materialx"] {
+        let list = |fields| find(fields, key).map(|value| value.value.clone());
+        if !is_same_value(&list(base), &list(mine)) {
+            conflicts.push(format!("[[{key}]]"));
+        }
     }
     conflicts
 }
@@ -268,6 +270,8 @@ mod tests {
         assert_eq!((both.text, both.theirs_first), (mine, theirs.clone()));
         let include = format!("[[include]]\nfile = 'a.glb'\n\n{BASE}");
         assert_eq!(merged(&include, &theirs).conflicts, ["[[include]]"]);
+        let document = format!("[[materialx]]\nfile = 'a.mtlx'\nname = 'M'\n\n{BASE}");
+        assert_eq!(merged(&document, &theirs).conflicts, ["[[materialx]]"]);
         assert!(merge(Path::new(""), BASE, "a =", &theirs).is_err());
     }
 

@@ -41,6 +41,7 @@ impl Session {
     /// The scene can't be read, or makes no sense at that moment: then it is shown as before. The device.
     pub fn set_moment(&mut self, moment: &Moment) -> Result<(), SessionError> {
         if *moment == self.moment {
+            self.problems.moment = Diagnostics::new();
             return Ok(());
         }
         if self.job.is_some() {
@@ -121,8 +122,13 @@ pub(super) fn timeline(files: &Arc<Recorder>, inputs: &Inputs, text: &str) -> Ti
 
 /// Whether a value of these depends on the moment. A table that is read alone is read at its beginning.
 pub(super) fn has_keys(fields: &[Field]) -> bool {
-    fields.iter().any(|field| match &field.value.value {
+    fields.iter().any(|field| is_keyed(&field.value.value))
+}
+
+fn is_keyed(value: &Value) -> bool {
+    match value {
         Value::Table(fields) => fields.iter().any(|f| f.key.value == "keys") || has_keys(fields),
+        Value::List(items) => items.iter().any(|item| is_keyed(&item.value)),
         _ => false,
-    })
+    }
 }

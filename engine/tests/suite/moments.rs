@@ -285,6 +285,16 @@ fn a_session_goes_to_other_moments_and_is_edited_there() {
         let alone = film(&mut started(&device, stage.at(0.75), 0.75, 0), 4);
         assert!(film(&mut session, 4) == alone, "after {edit:?}");
     }
+    // Keys within a list, too.
+    let keyed = "[material.Grey]\nbase_color = [{ keys = [[0, 0.0], [1, 1.0]] }, 0.2, 0.1]\n";
+    let text = session.look_text().replace("[material.Grey]\n", keyed);
+    session.replace_look(&text).expect("a look");
+    while session.is_building() {
+        session.step(1).expect("rendered");
+    }
+    fs::write(stage.folder.path().join("moving.look.toml"), &text).expect("written");
+    let alone = film(&mut started(&device, stage.at(0.75), 0.75, 0), 4);
+    assert!(film(&mut session, 4) == alone);
     session.set_moment(&rest).expect("it is shown");
     let opening = stage.sequence().once(&rest).expect("it is read");
     let alone = film(&mut started(&device, opening, 0.0, 0), 4);

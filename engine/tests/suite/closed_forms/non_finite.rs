@@ -66,6 +66,9 @@ fn figures(device: &::device::Device, look: &str) -> (Stats, Vec<bool>) {
         // What was wrong with a picture is not wrong with the next one.
         renderer.restart();
         assert!(renderer.stats()?.doubts().is_empty());
+        renderer.render(1)?;
+        renderer.resize(8, 8)?;
+        assert!(renderer.stats()?.doubts().is_empty());
         Ok((stats, film))
     };
     let (stats, film) = render().unwrap_or_else(|error| panic!("{error}"));

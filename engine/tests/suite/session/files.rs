@@ -149,6 +149,24 @@ fn mistakes_in_a_look_are_told_and_forgotten() {
 }
 
 #[test]
+fn a_mistake_that_comes_while_files_are_compared_is_told() {
+    if device::open().is_none() {
+        return;
+    }
+    let stage = Stage::new(LOOK, &TEXTURES);
+    let mut session = stage.open("scene.look.toml");
+    session.assets_changed();
+    stage.write(
+        "scene.look.toml",
+        &LOOK.replace("count = 5.0", "cuont = 5.0"),
+    );
+    session.look_changed();
+    settle(&mut session);
+    let shown = session.problems().to_string();
+    assert!(shown.contains("scene.look.toml:16:1"), "{shown}");
+}
+
+#[test]
 fn a_texture_that_is_new_to_the_look_costs_one_kernel() {
     if device::open().is_none() {
         return;
