@@ -213,20 +213,21 @@ pub(crate) struct RenderArgs {
     #[arg(allow_hyphen_values = true)]
     pub(crate) flip: Option<String>,
 
-    /// End when so much time is over since the start, as in 90s, 10m or 1h30m.
+    /// End when so much time is over since the start, as in 90s, 10m or 1h30m; a number alone is seconds.
     #[arg(long, value_name = "TIME")]
     #[arg(allow_hyphen_values = true)]
     pub(crate) time: Option<String>,
 
-    /// Keep the samples in NAME.patina-film, by the name of the first output, each minute or after each TIME.
+    /// Keep the samples in NAME.patina-film, by the name of the first output, each minute or after each TIME; a number alone is seconds.
     #[arg(long, value_name = "TIME", num_args = 0..=1, require_equals = true, default_missing_value = "1m")]
     pub(crate) checkpoint: Option<String>,
 
-    /// Go on with the checkpoint that an earlier run has left, and keep further ones. Where there is none, begin.
+    /// Go on with the checkpoint that an earlier run has left, and keep further ones, each minute without --checkpoint. Where there is
+    /// none, begin.
     #[arg(long)]
     pub(crate) resume: bool,
 
-    /// Write the pictures with each checkpoint, too.
+    /// Write the pictures with each checkpoint, too; without --checkpoint one is kept each minute.
     #[arg(long)]
     pub(crate) refresh: bool,
 
@@ -274,7 +275,7 @@ pub(crate) struct RenderArgs {
     #[arg(allow_hyphen_values = true)]
     pub(crate) look_at: Option<String>,
 
-    /// In place of the look's environment, a picture of all directions (.hdr or .exr).
+    /// In place of the look's environment, a picture of all directions (.hdr or .exr; any other is read as sRGB, without light above 1).
     #[arg(long, value_name = "FILE")]
     pub(crate) environment: Option<PathBuf>,
 

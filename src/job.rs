@@ -18,7 +18,7 @@ use crate::bake::job::BakeJob;
 use crate::bench::job::BenchJob;
 use crate::compare::job::CompareJob;
 use crate::export::job::GltfJob;
-use crate::farm::job::ExportJob;
+use crate::farm::job::{ExportJob, PartInputs};
 use crate::form;
 use crate::import::job::ImportJob;
 use crate::info::job::InfoJob;
@@ -102,12 +102,12 @@ impl Job {
             Command::Watch(args) => Self::Watch(WatchJob::from_args(*args)?),
             Command::View(args) => Self::View(ViewJob::from_args(*args)?),
             Command::Merge(args) => Self::Merge(MergeJob::from_args(args)?),
-            Command::Farm { what } => Self::Farm(ExportJob::from_args(what, renders_a_part)?),
+            Command::Farm { what } => Self::Farm(ExportJob::from_args(what, inputs_of_a_part)?),
             Command::Compare(args) => Self::Compare(CompareJob::from_args(args)?),
             Command::Info(args) => Self::Info(InfoJob::from_args(args)),
             Command::Bake(args) => Self::Bake(Box::new(BakeJob::from_args(args)?)),
             Command::Export(args) => Self::Export(Box::new(GltfJob::from_args(args)?)),
-            Command::Import(args) => Self::Import(ImportJob::from_args(args)),
+            Command::Import(args) => Self::Import(ImportJob::from_args(args)?),
             Command::Texture { what } => Self::Texture(TextureJob::from_args(what)?),
             Command::Devices => Self::Devices,
             Command::Manuals { dir } => Self::Manuals(dir),
@@ -131,22 +131,34 @@ impl Job {
     }
 }
 
-/// Whether `patina render` takes these words, and writes nothing but one film.
-fn renders_a_part(words: &[String]) -> Result<(), UsageError> {
+/// What `patina render` reads by these words, which must write nothing but one film.
+fn inputs_of_a_part(words: &[String]) -> Result<PartInputs, UsageError> {
     let start = ["patina", "render"].map(str::to_owned);
     let words = start.iter().chain(words);
-    let args = Args::try_parse_from(words).map_err(|error| UsageError::FarmFlags {
-        message: error.render().to_string(),
+    let refused = |message: String| UsageError::FarmFlags { message };
+    let args = Args::try_parse_from(words).map_err(|error| refused(error.render().to_string()))?;
+    let Command::Render(args) = args.command else {
+        return Err(refused("these are no flags of `patina render`".to_owned()));
+    };
+    let job = RenderJob::from_args(*args).map_err(|error| match error {
+        UsageError::Apart {
+            flag: "--shutter",
+            other: "--sample-range",
+            ..
+        } => UsageError::FarmShutter,
+        error => error,
     })?;
-    if let Job::Render(job) = Job::from_args(args)? {
-        let several = job.outputs.paths().nth(1).map(|_| "-o");
-        if let Some(flag) = several.or(job.stats_json.as_ref().map(|_| "--stats-json")) {
-            return Err(UsageError::FarmFlag {
-                flag: flag.to_owned(),
-            });
-        }
+    let several = job.outputs.paths().nth(1).map(|_| "-o");
+    match several.or(job.stats_json.as_ref().map(|_| "--stats-json")) {
+        Some(flag) => Err(UsageError::FarmFlag {
+            flag: flag.to_owned(),
+        }),
+        None => Ok(PartInputs {
+            look: job.look,
+            overrides: job.overrides,
+            texture_dirs: job.texture_dirs,
+        }),
     }
-    Ok(())
 }
 
 impl MergeJob {
@@ -436,6 +448,18 @@ mod tests {
         assert!(error.contains("from 1 to 1024"), "{error}");
         let error = parse_device(Some("native:1,native:1")).unwrap_err();
         assert!(error.to_string().contains("one device"), "{error}");
+        for line in [
+            "watch a.glb",
+            "bake Paint --scene a.glb -o a.png",
+            "texture eval fbm",
+            "bench render",
+        ] {
+            let error = job(&format!("{line} --device All")).unwrap_err();
+            let expected = UsageError::SeveralDevices {
+                given: "All".into(),
+            };
+            assert_eq!(error, expected, "{line}");
+        }
     }
 
     #[test]

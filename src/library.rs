@@ -4,6 +4,9 @@
 use std::env;
 use std::path::{Path, PathBuf};
 
+use engine::aside;
+use engine::procedural::LIBRARIES;
+
 use crate::failure::Failure;
 
 const FOLDER: &str = "user_textures";
@@ -14,6 +17,19 @@ const FOLDER: &str = "user_textures";
 /// # Errors
 /// A folder in `given` that isn't one.
 pub(crate) fn texture_dirs(
+    given: &[PathBuf],
+    look: Option<&Path>,
+) -> Result<Vec<PathBuf>, Failure> {
+    let mut dirs = texture_dirs_to_come(given, look)?;
+    dirs.retain(|dir| dir.is_dir());
+    Ok(dirs)
+}
+
+/// The same with the usual folders that aren't there yet, for whoever follows what is saved.
+///
+/// # Errors
+/// As [`texture_dirs`].
+pub(crate) fn texture_dirs_to_come(
     given: &[PathBuf],
     look: Option<&Path>,
 ) -> Result<Vec<PathBuf>, Failure> {
@@ -31,14 +47,36 @@ pub(crate) fn texture_dirs(
     let candidates = given.iter().cloned().chain(standard.into_iter().flatten());
     let mut dirs: Vec<PathBuf> = Vec::new();
     let mut seen: Vec<PathBuf> = Vec::new();
-    for dir in candidates.filter(|dir| dir.is_dir()) {
-        let place = dir.canonicalize().unwrap_or_else(|_| dir.clone());
+    for dir in candidates.filter(|dir| dir.is_dir() || !dir.exists()) {
+        let place = place(&dir);
         if !seen.contains(&place) {
             seen.push(place);
             dirs.push(dir);
         }
     }
     Ok(dirs)
+}
+
+/// Where a folder is, or will be.
+fn place(dir: &Path) -> PathBuf {
+    let to_come = || {
+        let folder = aside::folder_of(dir).canonicalize().ok()?;
+        Some(folder.join(dir.file_name()?))
+    };
+    let there = dir.canonicalize().ok();
+    there.or_else(to_come).unwrap_or_else(|| dir.to_owned())
+}
+
+/// All textures in these folders, and what they share: no result takes the place of one.
+pub(crate) fn files(dirs: &[PathBuf]) -> Vec<PathBuf> {
+    let folders = dirs
+        .iter()
+        .flat_map(|dir| [dir.clone(), dir.join(LIBRARIES)]);
+    let entries = folders.flat_map(std::fs::read_dir).flatten().flatten();
+    let paths = entries.map(|entry| entry.path());
+    paths
+        .filter(|path| path.extension().is_some_and(|ending| ending == "wgsl"))
+        .collect()
 }
 
 /// The folder beside the executable, or that of the checkout in whose `target/PROFILE` it lies: there the standard
@@ -71,6 +109,31 @@ mod tests {
         let dirs = texture_dirs(&given, Some(&look)).expect("all exist");
         assert_eq!(dirs[..2], [mine, beside.clone()]);
         assert_eq!(dirs.iter().filter(|dir| **dir == beside).count(), 1);
+    }
+
+    #[test]
+    fn a_usual_folder_may_come_later() {
+        let root = tempfile::tempdir().expect("a temporary folder");
+        let look = root.path().join("a.look.toml");
+        let beside = root.path().join(FOLDER);
+        let known =
+            |dirs: Result<Vec<PathBuf>, Failure>| dirs.expect("none is named").contains(&beside);
+        assert!(!known(texture_dirs(&[], Some(&look))));
+        assert!(known(texture_dirs_to_come(&[], Some(&look))));
+        std::fs::write(&beside, "no folder").expect("written");
+        assert!(!known(texture_dirs_to_come(&[], Some(&look))));
+    }
+
+    #[test]
+    fn textures_are_listed_with_what_they_share() {
+        let root = tempfile::tempdir().expect("a temporary folder");
+        let path = |name: &str| root.path().join(name);
+        std::fs::create_dir(path(LIBRARIES)).expect("a folder");
+        for name in ["a.wgsl", "a.txt", "lib/b.wgsl"] {
+            std::fs::write(path(name), "").expect("written");
+        }
+        let found = files(&[root.path().to_owned(), path("missing")]);
+        assert_eq!(found, [path("a.wgsl"), path("lib/b.wgsl")]);
     }
 
     #[test]

@@ -1,69 +1,391 @@
-//! What a command line says in place of the look's file.
+//! What a command line says in place of the look's file, and mistakes in it told by the flags: the text that they make of the file is
+//! nowhere to be seen.
 
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use engine::scene::look::{Section, Value};
+use engine::scene::look::{Look, LookDocument, Section, Value};
 use engine::session::Edit;
+use engine::system::Disk;
+use texgen::{Diagnostic, Diagnostics, Label, Severity, SourceFile};
 
+use crate::failure::Failure;
 use crate::usage::UsageError;
 use crate::words::parse_point;
 
 /// Edits of the look, from the flags that are short for them, then as they were given.
-///
-/// # Errors
-/// One that can't be understood.
-pub(crate) fn parse(
-    set: &[String],
-    environment: Option<&Path>,
-    position: Option<&str>,
-    look_at: Option<&str>,
-) -> Result<Vec<Edit>, UsageError> {
-    let mut edits = Vec::new();
-    if let Some(path) = environment {
-        // A look names files from where it lies.
-        let path = std::path::absolute(path).unwrap_or_else(|_| PathBuf::from(path));
-        let image = Value::Text(path.display().to_string());
-        edits.push(Edit::Remove {
-            section: Section::Environment,
-        });
-        edits.push(Edit::environment("image", image));
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Overrides {
+    /// One after the other.
+    pub(crate) edits: Vec<Edit>,
+    /// The flag that each of them comes from, as it was typed.
+    flags: Vec<String>,
+}
+
+impl Overrides {
+    /// What flags say.
+    ///
+    /// # Errors
+    /// One that can't be understood.
+    pub(crate) fn parse(
+        set: &[String],
+        environment: Option<&Path>,
+        position: Option<&str>,
+        look_at: Option<&str>,
+    ) -> Result<Self, UsageError> {
+        let mut this = Self::default();
+        if let Some(given) = environment {
+            let flag = format!("--environment {}", given.display());
+            // A look names files from where it lies.
+            let path = std::path::absolute(given).unwrap_or_else(|_| PathBuf::from(given));
+            let image = Value::Text(path.display().to_string());
+            let section = Section::Environment;
+            this.push(Edit::Remove { section }, flag.clone());
+            this.push(Edit::environment("image", image), flag);
+        }
+        for (flag, key, given) in [
+            ("--camera-at", "position", position),
+            ("--look-at", "look_at", look_at),
+        ] {
+            if let Some(given) = given {
+                let point = parse_point(flag, given)?;
+                let edit = Edit::camera(key, Value::numbers(&point));
+                this.push(edit, format!("{flag} {given}"));
+            }
+        }
+        for given in set {
+            let edit = Edit::parse(given).map_err(|form| UsageError::Set {
+                given: given.clone(),
+                form,
+            })?;
+            this.push(edit, format!("--set {given}"));
+        }
+        Ok(this)
     }
-    for (flag, key, given) in [
-        ("--camera-at", "position", position),
-        ("--look-at", "look_at", look_at),
-    ] {
-        if let Some(given) = given {
-            let point = parse_point(flag, given)?;
-            edits.push(Edit::camera(key, Value::numbers(&point)));
+
+    fn push(&mut self, edit: Edit, flag: String) {
+        self.edits.push(edit);
+        self.flags.push(flag);
+    }
+
+    /// The look in this file with the edits, or what they are a look of.
+    ///
+    /// # Errors
+    /// It can't be read, has mistakes, or can't have the edits.
+    pub(crate) fn look(&self, path: Option<&Path>) -> Result<Option<Look>, Failure> {
+        let written = match path {
+            Some(path) => Look::read_text(&Disk, path)?,
+            None => String::new(),
+        };
+        if path.is_none() && self.edits.is_empty() {
+            return Ok(None);
+        }
+        let place = path.unwrap_or(Path::new(""));
+        let mut document = LookDocument::parse(place, &written)?;
+        for edit in &self.edits {
+            edit.write(&mut document).map_err(Failure::Failed)?;
+        }
+        match Look::parse(place, &document.text()) {
+            Ok(look) => Ok(Some(look)),
+            Err(mistakes) => Err(self.told(path, &mistakes).into()),
         }
     }
-    for given in set {
-        let edit = Edit::parse(given).map_err(|form| UsageError::Set {
-            given: given.clone(),
-            form,
-        })?;
-        edits.push(edit);
+
+    /// The same failure, told as [`Self::told`] tells it.
+    pub(crate) fn told_failure(&self, look: Option<&Path>, failure: Failure) -> Failure {
+        match failure {
+            Failure::Mistakes(mistakes) => Failure::Mistakes(self.told(look, &mistakes)),
+            other => other,
+        }
     }
-    Ok(edits)
+
+    /// Mistakes in the text that the edits make of the look's file, if there is one: those in what a flag has brought name the flag, all
+    /// others have the places that the file has.
+    pub(crate) fn told(&self, look: Option<&Path>, mistakes: &Diagnostics) -> Diagnostics {
+        let Some(edited) = Edited::of(self, look) else {
+            return mistakes.clone();
+        };
+        let mut told: Diagnostics = (mistakes.iter())
+            .map(|mistake| edited.told(mistake))
+            .collect();
+        // Those beyond the ones that are kept are only counted.
+        for severity in [Severity::Error, Severity::Warning] {
+            for _ in told.count(severity)..mistakes.count(severity) {
+                let bare = Diagnostic::error("");
+                told.push(Diagnostic { severity, ..bare });
+            }
+        }
+        told
+    }
+}
+
+/// How a look's text has come about.
+struct Edited<'a> {
+    flags: &'a [String],
+    /// What each flag's edit has changed.
+    steps: Vec<Step>,
+    /// The text before all of them, as messages show it.
+    file: SourceFile,
+    /// The text with all of them.
+    text: String,
+    has_file: bool,
+}
+
+impl<'a> Edited<'a> {
+    /// `None` where nothing is edited, or the edits can't be made.
+    fn of(overrides: &'a Overrides, look: Option<&Path>) -> Option<Self> {
+        if overrides.edits.is_empty() {
+            return None;
+        }
+        let path = look.unwrap_or(Path::new(""));
+        let written = match look {
+            Some(path) => Look::read_text(&Disk, path).ok()?,
+            None => String::new(),
+        };
+        let mut document = LookDocument::parse(path, &written).ok()?;
+        let original = document.text();
+        let mut text = original.clone();
+        let mut steps = Vec::new();
+        for edit in &overrides.edits {
+            edit.write(&mut document).ok()?;
+            let next = document.text();
+            steps.push(Step::between(&text, &next));
+            text = next;
+        }
+        Some(Self {
+            flags: &overrides.flags,
+            steps,
+            file: SourceFile::new("look", path.display().to_string(), original),
+            text,
+            has_file: look.is_some(),
+        })
+    }
+
+    fn told(&self, mistake: &Diagnostic) -> Diagnostic {
+        let mut told = Diagnostic {
+            labels: Vec::new(),
+            ..mistake.clone()
+        };
+        let mut named = None;
+        for label in &mistake.labels {
+            let is_edited = label.file.path() == self.file.path() && label.file.text() == self.text;
+            if !is_edited {
+                told.labels.push(label.clone());
+                continue;
+            }
+            match self.origin(label.span.clone()) {
+                Ok(span) if self.has_file => told.labels.push(Label {
+                    file: self.file.clone(),
+                    span,
+                    ..label.clone()
+                }),
+                Ok(_) => {}
+                Err(flag) => {
+                    if label.primary {
+                        named = named.or(Some(flag));
+                    }
+                    if !label.text.is_empty() {
+                        told.notes.insert(0, label.text.clone());
+                    }
+                }
+            }
+        }
+        if let Some(flag) = named {
+            told.message = format!("{flag}: {}", mistake.message);
+        }
+        told
+    }
+
+    /// Where something lies in the text before all edits.
+    ///
+    /// # Errors
+    /// It was not there: the flag that has brought it.
+    fn origin(&self, mut span: Range<usize>) -> Result<Range<usize>, &'a str> {
+        for (step, flag) in self.steps.iter().zip(self.flags).rev() {
+            span = step.before(&span).ok_or(flag.as_str())?;
+        }
+        Ok(span)
+    }
+}
+
+/// What an edit has changed of a text.
+#[derive(Debug, PartialEq)]
+struct Step {
+    /// Bytes of the former text.
+    old: Range<usize>,
+    /// What stands there now.
+    new: Range<usize>,
+    /// Part of one line: else whole lines.
+    is_within_a_line: bool,
+}
+
+impl Step {
+    fn between(old: &str, new: &str) -> Self {
+        let old: Vec<&str> = old.split_inclusive('\n').collect();
+        let new: Vec<&str> = new.split_inclusive('\n').collect();
+        let first = old.iter().zip(&new).take_while(is_same).count();
+        let rest = old[first..].iter().rev().zip(new[first..].iter().rev());
+        let last = rest.take_while(is_same).count();
+        let lines = |text: &[&str]| {
+            let length = |lines: &[&str]| lines.iter().map(|line| line.len()).sum::<usize>();
+            length(&text[..first])..length(&text[..text.len() - last])
+        };
+        let whole = Self {
+            old: lines(&old),
+            new: lines(&new),
+            is_within_a_line: false,
+        };
+        let changed = [&old, &new].map(|text| &text[first..text.len() - last]);
+        match changed {
+            [[old], [new]] => whole.within(old, new),
+            _ => whole,
+        }
+    }
+
+    /// The part of the one line in which they differ.
+    fn within(self, old: &str, new: &str) -> Self {
+        let is_same = |(a, b): &(u8, u8)| a == b;
+        let first = old.bytes().zip(new.bytes()).take_while(is_same).count();
+        let rest = (old.bytes().rev()).zip(new.bytes().rev());
+        let most = old.len().min(new.len()) - first;
+        let last = rest.take(most).take_while(is_same).count();
+        Self {
+            old: self.old.start + first..self.old.end - last,
+            new: self.new.start + first..self.new.end - last,
+            is_within_a_line: true,
+        }
+    }
+
+    /// Where something was that the edit hasn't changed.
+    fn before(&self, span: &Range<usize>) -> Option<Range<usize>> {
+        let new = &self.new;
+        let is_changed = match self.is_within_a_line {
+            // What has become longer or shorter is another one, too.
+            true => span.start <= new.end && span.end >= new.start,
+            false if span.is_empty() => new.contains(&span.start),
+            false => span.start < new.end && span.end > new.start,
+        };
+        let moved = |at: usize| at - new.end + self.old.end;
+        match (is_changed, span.start >= new.end) {
+            (true, _) => None,
+            (false, true) => Some(moved(span.start)..moved(span.end)),
+            (false, false) => Some(span.clone()),
+        }
+    }
+}
+
+/// Whether two lines are the same but for their ends.
+fn is_same((old, new): &(&&str, &&str)) -> bool {
+    old.trim_end() == new.trim_end()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    const LOOK: &str = "# A look.\nenvironment = { color = [1, 1, 1], intensity = 2 }\n\n[node.a]\ntexture = \"fbm\"\nscale = 0.9\n\n\
+                        [material.Glow]\nbase_color = \"a\" # red\nroughness = 0.5";
+
+    fn set(given: &[&str]) -> Overrides {
+        let given: Vec<String> = given.iter().map(|&text| text.to_owned()).collect();
+        Overrides::parse(&given, None, None, None).expect("well-formed")
+    }
+
     #[test]
     fn flags_are_edits_in_their_order() {
         let set = ["rust.scale=2".to_owned()];
-        let edits = parse(&set, Some(Path::new("/a/sky.hdr")), Some("1,2,3"), None);
-        let edits = edits.expect("well-formed");
+        let parsed = Overrides::parse(&set, Some(Path::new("/a/sky.hdr")), Some("1,2,3"), None);
+        let edits = parsed.expect("well-formed").edits;
         let sections: Vec<_> = edits
             .iter()
             .map(|edit| edit.section().to_string())
             .collect();
         let expected = ["[environment]", "[environment]", "[camera]", "[node.rust]"];
         assert_eq!(sections, expected);
-        assert!(parse(&["rust".to_owned()], None, None, None).is_err());
-        assert!(parse(&[], None, Some("1,2"), None).is_err());
-        assert!(parse(&[], None, None, Some("1,2,inf")).is_err());
+        assert!(Overrides::parse(&["rust".to_owned()], None, None, None).is_err());
+        assert!(Overrides::parse(&[], None, Some("1,2"), None).is_err());
+        assert!(Overrides::parse(&[], None, None, Some("1,2,inf")).is_err());
+    }
+
+    /// What is told of a mistake at a word of the edited text.
+    fn told(overrides: &Overrides, look: Option<&Path>, word: &str) -> Diagnostic {
+        let text = Edited::of(overrides, look).expect("it is edited").text;
+        let start = text
+            .find(word)
+            .unwrap_or_else(|| panic!("no {word}:\n{text}"));
+        let path = look.unwrap_or(Path::new("")).display().to_string();
+        let file = SourceFile::new("look", path, text);
+        let span = start..start + word.len();
+        let mistake = Diagnostic::error("wrong").with_label(&file, span, "this");
+        let told = overrides.told(look, &Diagnostics::from(mistake));
+        told.as_slice()[0].clone()
+    }
+
+    #[test]
+    fn mistakes_are_where_they_come_from() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = folder.path().join("a.look.toml");
+        std::fs::write(&path, LOOK).expect("written");
+        let look = Some(path.as_path());
+        let edits = [
+            "a.scale=0.95",
+            "a.octaves=9",
+            "environment.intensity=3",
+            "view.exposure=4",
+            "b.texture=checker",
+        ];
+        let overrides = set(&edits);
+        for (word, flag) in [
+            ("0.95", "--set a.scale=0.95"),
+            ("octaves", "--set a.octaves=9"),
+            ("3 }", "--set environment.intensity=3"),
+            ("[view]", "--set view.exposure=4"),
+            ("exposure", "--set view.exposure=4"),
+            ("[node.b]", "--set b.texture=checker"),
+            ("\"checker\"", "--set b.texture=checker"),
+        ] {
+            let told = told(&overrides, look, word);
+            assert_eq!(told.message, format!("{flag}: wrong"), "{word}");
+            assert!(told.labels.is_empty(), "{word}: {told}");
+            assert_eq!(told.notes, ["this"]);
+        }
+        for (word, line, column) in [
+            ("color", 2, 17),
+            ("[node.a]", 4, 1),
+            ("scale", 6, 1),
+            ("Glow", 8, 11),
+            ("base_color", 9, 1),
+            ("roughness", 10, 1),
+        ] {
+            let told = told(&overrides, look, word);
+            assert_eq!(told.message, "wrong");
+            let place = told.location().expect("it has a place");
+            assert_eq!((place.line, place.column), (line, column), "{word}");
+            assert_eq!(told.labels[0].file.text(), LOOK);
+        }
+    }
+
+    #[test]
+    fn what_has_no_file_has_no_place() {
+        let sky = Some(Path::new("sky.hdr"));
+        let overrides = Overrides::parse(&["x.y=3".to_owned()], sky, None, Some("0,0,0"));
+        let overrides = overrides.expect("well-formed");
+        for (word, flag) in [
+            ("sky.hdr", "--environment sky.hdr"),
+            ("look_at", "--look-at 0,0,0"),
+            ("[node.x]", "--set x.y=3"),
+        ] {
+            let told = told(&overrides, None, word);
+            assert_eq!(told.message, format!("{flag}: wrong"));
+            assert!(!told.to_json().contains("\"file\""), "{}", told.to_json());
+        }
+    }
+
+    #[test]
+    fn what_is_only_counted_stays_counted() {
+        let mistakes: Diagnostics = (0..70).map(|_| Diagnostic::error("wrong")).collect();
+        let told = set(&["x.y=3"]).told(None, &mistakes);
+        assert_eq!(told.count(Severity::Error), 70);
+        assert!(set(&[]).told(None, &mistakes) == mistakes);
     }
 }

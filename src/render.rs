@@ -107,7 +107,8 @@ fn picture(job: &RenderJob) -> Result<(), Failure> {
     };
     first.beside = beside;
     let loaded = first.opening.loaded();
-    bar.suspend(|| console::diagnostics(&loaded.warnings));
+    let warnings = job.overrides.told(job.look.as_deref(), &loaded.warnings);
+    bar.suspend(|| console::diagnostics(&warnings));
     let job = &job.for_scene(&loaded.scene);
     // What else was read is known only now.
     output::check_all(&written, &first.opening.files())?;
@@ -168,10 +169,12 @@ fn written(job: &RenderJob) -> Vec<PathBuf> {
     outputs.chain(kept).cloned().collect()
 }
 
-/// Whether files can be written, none of them over what is named.
+/// Whether files can be written, none of them over what is named, or over a texture that may be read.
 fn check(job: &RenderJob, written: &[PathBuf]) -> Result<(), Failure> {
-    let named: Vec<PathBuf> = job.look.iter().chain([&job.scene]).cloned().collect();
-    output::check_all(written, &named)
+    let folders = library::texture_dirs(&job.texture_dirs, job.look.as_deref())?;
+    let mut read = library::files(&folders);
+    read.extend(job.look.iter().chain([&job.scene]).cloned());
+    output::check_all(written, &read)
 }
 
 fn inputs(job: &RenderJob) -> Result<Inputs, Failure> {
@@ -324,6 +327,10 @@ fn write(
     } else if let (Some(Ended::Enough(_)), 0) = (&rendered.ended, tally.samples()) {
         let text = "the time was over before the first sample: nothing is written".to_owned();
         return (Err(Failure::Failed(text)), rendered.rest);
+    } else if let (Some(Ended::Enough(_)), 0) = (&rendered.ended, lowest) {
+        console::warning(
+            "the time was over before every pixel had a sample: those without any are black",
+        );
     } else if let Some(Ended::Interrupted) = &rendered.ended {
         if tally.samples() == 0 {
             // A black picture would take the place of a former one.

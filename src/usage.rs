@@ -262,6 +262,12 @@ pub(crate) enum UsageError {
         /// As typed.
         flag: String,
     },
+    /// What parts of a farm can't have.
+    #[error(
+        "--shutter: a farm's parts are ranges of samples, which don't tell the moments that they are of; render the parts by hand, \
+         with --spp N and --part I/N, and add them by `patina merge`"
+    )]
+    FarmShutter,
     /// What `patina render` wouldn't understand.
     #[error("behind `--`: {message}")]
     FarmFlags {
@@ -334,6 +340,11 @@ pub(crate) enum UsageError {
         /// What is wrong, and what to do.
         problem: String,
     },
+    /// `--name ''` of a material.
+    #[error(
+        "--name: the name is empty; write what the material of the scene is called, or leave the flag out"
+    )]
+    EmptyName,
     /// `--device ''`.
     #[error("--device: the name is empty; `patina devices` lists names and numbers")]
     EmptyDevice,

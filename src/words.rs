@@ -358,9 +358,10 @@ pub(crate) fn parse_device(given: Option<&str>) -> Result<DeviceChoice, UsageErr
     match given.map(str::trim) {
         None => Ok(DeviceChoice::Best),
         Some("") => Err(UsageError::EmptyDevice),
-        Some(text) if words_of(text).len() > 1 => Err(UsageError::SeveralDevices {
-            given: text.to_owned(),
-        }),
+        Some(text) if words_of(text).len() > 1 || is_all(text) => {
+            let given = text.to_owned();
+            Err(UsageError::SeveralDevices { given })
+        }
         Some(text) => Ok(match (text.parse(), text.split_once(':')) {
             (Ok(index), _) => DeviceChoice::Index(index),
             (_, Some((name, threads))) if name.eq_ignore_ascii_case(NATIVE) => {
@@ -375,7 +376,7 @@ pub(crate) fn parse_device(given: Option<&str>) -> Result<DeviceChoice, UsageErr
 pub(crate) fn parse_devices(given: &[String]) -> Result<Devices, UsageError> {
     let mut devices = Devices::default();
     for word in given.iter().flat_map(|list| words_of(list)) {
-        if word.trim().eq_ignore_ascii_case(ALL_DEVICES) {
+        if is_all(word) {
             devices.all = true;
             continue;
         }
@@ -389,6 +390,11 @@ pub(crate) fn parse_devices(given: &[String]) -> Result<Devices, UsageError> {
         devices.named.push(device);
     }
     Ok(devices)
+}
+
+/// Whether every device is meant.
+fn is_all(word: &str) -> bool {
+    word.trim().eq_ignore_ascii_case(ALL_DEVICES)
 }
 
 /// The words of a list. Names of devices may have commas in parentheses.

@@ -36,6 +36,8 @@ mod layers;
 mod limits;
 #[path = "cli/lost_work.rs"]
 mod lost_work;
+#[path = "cli/overrides.rs"]
+mod overrides;
 #[path = "cli/parts_of_pictures.rs"]
 mod parts_of_pictures;
 #[path = "cli/pieces.rs"]

@@ -501,6 +501,34 @@ fn a_new_texture_is_a_good_texture_and_replaces_nothing() {
     }
 }
 
+#[test]
+fn what_is_in_the_way_of_a_new_texture_is_named() {
+    let desk = Desk::new().with("taken", "a file");
+    let told = desk.run("texture new waves --dir taken", 1).stderr;
+    assert!(told.contains("--dir taken: it is no folder"), "{told}");
+    let told = desk.run("texture new waves --dir taken/below", 1).stderr;
+    assert!(told.contains("cannot create the folder"), "{told}");
+}
+
+#[test]
+fn a_page_that_cannot_have_its_sheets_is_not_written() {
+    let desk = Desk::new().with("taken", "a file");
+    for (line, said) in [
+        ("--sheets taken -o page.md", "cannot create taken"),
+        (
+            "--sheets sheets --device no-such-device -o page.md",
+            "no-such-device",
+        ),
+        ("-o no/such/page.md", "the folder no/such does not exist"),
+    ] {
+        let told = desk.run(&format!("texture doc {line}"), 1);
+        assert!(told.stderr.contains(said), "{line}: {}", told.stderr);
+        assert!(!desk.path("page.md").exists(), "{line}");
+    }
+    desk.run("texture doc -o page.md", 0);
+    assert!(desk.path("page.md").exists());
+}
+
 /// Whether a line of output is what a document shows: numbers up to rounding, `...` stands for any rest.
 fn is_shown(shown: &str, line: &str) -> bool {
     if let Some(beginning) = shown.strip_suffix("...") {

@@ -159,6 +159,27 @@ fn a_saved_texture_is_seen_and_a_wrong_one_is_told() {
     watch.expect(&["rings.wgsl", "16 spp"]);
 }
 
+#[test]
+fn textures_may_come_in_a_folder_that_was_not_there() {
+    if device::open().is_none() {
+        return;
+    }
+    let stage = Stage::new(LOOK, &TEXTURES);
+    let watch = Watch::start(&stage);
+    watch.expect(&["0: start", "16 spp"]);
+    let look = LOOK.replacen("texture = \"rings\"", "texture = \"late\"", 1);
+    stage.replace("scene.look.toml", &look);
+    watch.expect(&["there is no texture called `late`"]);
+    std::fs::create_dir(stage.path("user_textures")).expect("a folder");
+    stage.write("user_textures/late.wgsl", SQUARES);
+    watch.expect(&["no more problems"]);
+    watch.expect(&["late.wgsl", "16 spp"]);
+    let first = pixels(&stage.path("out.png"));
+    stage.write("user_textures/late.wgsl", RINGS);
+    watch.expect(&["late.wgsl", "16 spp"]);
+    assert_ne!(first, pixels(&stage.path("out.png")), "edits are seen");
+}
+
 #[cfg(unix)]
 #[test]
 fn a_signal_ends_it_and_leaves_the_picture() {

@@ -40,7 +40,12 @@ pub(super) fn run(job: &MethodsJob) -> Result<(), Failure> {
         .chain(job.effort.json.clone())
         .collect();
     let read: Vec<_> = job.scene.iter().collect();
-    report::check(&written, &read, job.look.as_deref())?;
+    report::check(
+        &written,
+        &read,
+        job.look.as_deref(),
+        &job.effort.texture_dirs,
+    )?;
     let bar = Bar::new("loading the scene");
     let prepared = Prepared::load_or_cornell_box(
         job.scene.as_deref(),

@@ -29,7 +29,12 @@ const USUAL: Amount = Amount {
 pub(super) fn run(job: &RenderJob) -> Result<(), Failure> {
     let written: Vec<_> = job.effort.json.iter().cloned().collect();
     let scenes: Vec<_> = job.scenes.iter().collect();
-    report::check(&written, &scenes, job.look.as_deref())?;
+    report::check(
+        &written,
+        &scenes,
+        job.look.as_deref(),
+        &job.effort.texture_dirs,
+    )?;
     let bar = Bar::new("loading the scenes");
     let prepared = prepare(job, &bar)?;
     bar.stage("measuring");

@@ -11,7 +11,7 @@ use patina_bench::report::conditions::{self, Conditions};
 use serde::Serialize;
 
 use crate::failure::Failure;
-use crate::output;
+use crate::{library, output};
 
 use super::job::{Amount, Effort};
 
@@ -30,17 +30,19 @@ pub(super) fn conditions(effort: &Effort, amount: Amount, device: &Device) -> Co
     }
 }
 
-/// Makes sure, before anything is measured, that reports can be written, and over nothing that is read: scenes, a look, and
-/// what these name.
+/// Makes sure, before anything is measured, that reports can be written, and over nothing that is read: scenes, a look, what
+/// these name, and textures.
 ///
 /// # Errors
-/// As [`output::check_all`], and a look that can't be read.
+/// As [`output::check_all`] and [`library::texture_dirs`], and a look that can't be read.
 pub(super) fn check(
     written: &[PathBuf],
     scenes: &[&PathBuf],
     look: Option<&Path>,
+    texture_dirs: &[PathBuf],
 ) -> Result<(), Failure> {
-    let mut read: Vec<PathBuf> = look.iter().map(|look| look.to_path_buf()).collect();
+    let mut read = library::files(&library::texture_dirs(texture_dirs, look)?);
+    read.extend(look.map(Path::to_owned));
     let look = look.map(Look::load).transpose()?;
     for scene in scenes {
         read.extend(load::files(scene, look.as_ref()));

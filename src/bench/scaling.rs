@@ -29,7 +29,12 @@ pub(super) fn run(job: &ScalingJob) -> Result<(), Failure> {
         .map(|report| report.path.clone())
         .collect();
     let scenes: Vec<_> = job.scene.iter().collect();
-    report::check(&written, &scenes, job.look.as_deref())?;
+    report::check(&written, &scenes, job.look.as_deref(), &job.texture_dirs)?;
+    let together = devices::choices(&job.devices);
+    // One that isn't there is found before anything is measured.
+    for choice in &together {
+        Device::open(choice).map(drop).map_err(Failure::because)?;
+    }
     let bar = Bar::new("loading the scene");
     let prepared = Prepared::load_or_cornell_box(
         job.scene.as_deref(),
@@ -39,7 +44,6 @@ pub(super) fn run(job: &ScalingJob) -> Result<(), Failure> {
     )?;
     let threads = job.threads.clone().unwrap_or_else(usual_threads);
     let most = threads.last().copied().unwrap_or(1);
-    let together = devices::choices(&job.devices);
     let setup = Setup {
         scene: Arc::new(prepared.scene),
         procedural: Arc::new(prepared.procedural),

@@ -64,7 +64,12 @@ pub(super) fn run(job: &TexturesJob) -> Result<(), Failure> {
         Some((scene, Model::Material(_))) => vec![scene],
         None => Vec::new(),
     };
-    report::check(&written, &scenes, job.look.as_deref())?;
+    report::check(
+        &written,
+        &scenes,
+        job.look.as_deref(),
+        &job.effort.texture_dirs,
+    )?;
     let bar = Bar::new("loading the scene");
     let folders = library::texture_dirs(&job.effort.texture_dirs, None)?;
     let sources = TextureSources::search(&folders).map_err(Failure::because)?;

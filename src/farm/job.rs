@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use crate::overrides::Overrides;
 use crate::usage::UsageError;
 use crate::words::{FILM_EXTENSION, MAX_SPP, Outputs, parse_number};
 
@@ -17,11 +18,24 @@ pub(crate) struct ExportJob {
     pub(crate) scene: PathBuf,
     /// Words for `patina render`, but for scene, samples and output.
     pub(crate) flags: Vec<String>,
+    /// What a part is rendered from by these words.
+    pub(crate) inputs: PartInputs,
     pub(crate) parts: u32,
     pub(crate) spp: u32,
     pub(crate) folder: PathBuf,
     pub(crate) results: Vec<PathBuf>,
     pub(crate) missing_only: bool,
+}
+
+/// What a part is rendered from, beside the scene.
+#[derive(Debug, PartialEq)]
+pub(crate) struct PartInputs {
+    /// The look file.
+    pub(crate) look: Option<PathBuf>,
+    /// What is to be otherwise than in the look.
+    pub(crate) overrides: Overrides,
+    /// Folders the user named, searched first.
+    pub(crate) texture_dirs: Vec<PathBuf>,
 }
 
 /// The words of `patina render` that render a part.
@@ -32,13 +46,13 @@ pub(super) fn part_words(scene: &str, flags: &[String], samples: &str, film: &st
 }
 
 impl ExportJob {
-    /// Validates a command line; `check` says whether `patina render` takes some words.
+    /// Validates a command line; `read` says what `patina render` reads by some words.
     ///
     /// # Errors
     /// The first flag that makes no sense, those of `patina render` among them.
     pub(crate) fn from_args(
         command: FarmCommand,
-        check: impl Fn(&[String]) -> Result<(), UsageError>,
+        read: impl Fn(&[String]) -> Result<PartInputs, UsageError>,
     ) -> Result<Self, UsageError> {
         let FarmCommand::Export(args) = command;
         let spp = parse_number("--spp", &args.spp, 1, MAX_SPP)?;
@@ -75,8 +89,9 @@ impl ExportJob {
         // What the farm would refuse hours later is refused now.
         let (samples, film) = (format!("0..{spp}"), format!("part.{FILM_EXTENSION}"));
         let scene = args.scene.display().to_string();
-        check(&part_words(&scene, &args.flags, &samples, &film))?;
+        let inputs = read(&part_words(&scene, &args.flags, &samples, &film))?;
         Ok(Self {
+            inputs,
             scheduler: args.to,
             scene: args.scene,
             flags: args.flags,

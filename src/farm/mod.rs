@@ -14,12 +14,12 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use engine::film::Part;
-use engine::input;
+use engine::scene::look::{EnvironmentLook, Look};
+use engine::{input, load};
 
-use crate::console;
 use crate::failure::Failure;
-use crate::output;
 use crate::words::{FILM_EXTENSION, part_of};
+use crate::{console, library, output, picture};
 
 use args::Scheduler;
 use job::ExportJob;
@@ -64,8 +64,8 @@ impl Plan {
         start.chain(words).collect()
     }
 
-    /// The words that make the picture of all parts.
-    fn merge(&self) -> Vec<String> {
+    /// The words that make the picture of some films.
+    fn merge(&self, films: &[PathBuf]) -> Vec<String> {
         let text = |path: &PathBuf| path.display().to_string();
         let expected = format!("0..{}", self.spp);
         let start = ["patina", "merge", "--expect", &expected]
@@ -78,7 +78,7 @@ impl Plan {
         start
             .chain(self.merge_flags.iter().cloned())
             .chain(results)
-            .chain(self.films.iter().map(text))
+            .chain(films.iter().map(text))
             .collect()
     }
 }
@@ -86,16 +86,20 @@ impl Plan {
 /// Writes the files, and says what to do with them.
 ///
 /// # Errors
-/// They can't be written; a film in the folder can't be read.
+/// They can't be written, nor can the results; a film in the folder can't be read, nor can what the parts are rendered from.
 pub(crate) fn export(job: &ExportJob) -> Result<(), Failure> {
+    let mut read = inputs(job)?;
     std::fs::create_dir_all(&job.folder).map_err(|error| {
         Failure::Failed(format!("cannot create {}: {error}", job.folder.display()))
     })?;
     let plan = plan(job)?;
+    // What the merge would find out when all is rendered.
+    read.extend(plan.films.iter().cloned());
+    output::check_all(&job.results, &read)?;
     if plan.parts.is_empty() {
         console::print(&format!(
             "no samples are missing; the picture is made by: {}",
-            shell::line(&plan.merge())
+            shell::line(&plan.merge(&plan.films))
         ));
         return Ok(());
     }
@@ -113,6 +117,30 @@ pub(crate) fn export(job: &ExportJob) -> Result<(), Failure> {
     }
     console::print(&format!("{} parts; {next}", plan.parts.len()));
     Ok(())
+}
+
+/// What the parts will be rendered from, as far as the scene needn't be loaded for it.
+fn inputs(job: &ExportJob) -> Result<Vec<PathBuf>, Failure> {
+    let given = &job.inputs;
+    let path = given.look.as_deref();
+    let look = given.overrides.look(path)?;
+    let environment = look.as_ref().and_then(environment);
+    for file in [&job.scene].into_iter().chain(&environment) {
+        input::open(file).map_err(|error| picture::unread(file, error))?;
+    }
+    let mut found = load::files(&job.scene, look.as_ref());
+    found.extend(path.map(Path::to_owned));
+    let folders = library::texture_dirs(&given.texture_dirs, path)?;
+    found.extend(library::files(&folders));
+    Ok(found)
+}
+
+/// The picture of all directions that a look names.
+fn environment(look: &Look) -> Option<PathBuf> {
+    match &look.environment.as_ref()?.value {
+        EnvironmentLook::Image { image, .. } => Some(look.resolve(&image.value)),
+        EnvironmentLook::Constant(_) | EnvironmentLook::Sky(_) => None,
+    }
 }
 
 fn plan(job: &ExportJob) -> Result<Plan, Failure> {

@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use crate::usage::UsageError;
+
 use super::args::ImportArgs;
 
 /// A document to be turned into a look.
@@ -20,16 +22,22 @@ pub(crate) struct ImportJob {
 }
 
 impl ImportJob {
-    /// Nothing of it can be wrong before the document is read.
-    pub(crate) fn from_args(args: ImportArgs) -> Self {
+    /// Validates a command line.
+    ///
+    /// # Errors
+    /// A name that no material of a look can have.
+    pub(crate) fn from_args(args: ImportArgs) -> Result<Self, UsageError> {
+        if args.name.as_deref().is_some_and(str::is_empty) {
+            return Err(UsageError::EmptyName);
+        }
         let stem = args.file.file_stem().unwrap_or_default();
         let beside = PathBuf::from(format!("{}.look.toml", stem.to_string_lossy()));
-        Self {
+        Ok(Self {
             output: args.output.unwrap_or(beside),
             file: args.file,
             material: args.material,
             name: args.name,
             drafts: args.drafts,
-        }
+        })
     }
 }

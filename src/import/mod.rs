@@ -12,6 +12,7 @@ use materialx::{Document, Wanted};
 
 use crate::console;
 use crate::failure::Failure;
+use crate::output::{self, OutputError};
 
 use job::ImportJob;
 
@@ -20,6 +21,7 @@ use job::ImportJob;
 /// # Errors
 /// The document can't be read, has mistakes, or no such material; there is a look of that name already, or it can't be written.
 pub(crate) fn run(job: &ImportJob) -> Result<(), Failure> {
+    output::check(&job.output).map_err(Failure::because)?;
     let document = Document::open(&Disk, &job.file, job.drafts)?;
     let wanted = Wanted {
         material: job.material.clone(),
@@ -38,15 +40,11 @@ pub(crate) fn run(job: &ImportJob) -> Result<(), Failure> {
     let text = materialx::look_text(&converted);
     let output = job.output.display();
     let written = aside::create(&job.output, |file| file.write_all(text.as_bytes()));
-    written.map_err(|error| {
-        Failure::Failed(match error.kind() {
-            ErrorKind::AlreadyExists => {
-                format!(
-                    "{output} exists already; choose another name by -o, or remove the file first"
-                )
-            }
-            _ => format!("cannot write {output}: {error}"),
-        })
+    written.map_err(|error| match error.kind() {
+        ErrorKind::AlreadyExists => Failure::Failed(format!(
+            "{output} exists already; choose another name by -o, or remove the file first"
+        )),
+        _ => Failure::because(OutputError::new(&job.output, error)),
     })?;
     let (materials, nodes) = (converted.materials.len(), converted.nodes.len());
     let plural = |count: usize| if count == 1 { "" } else { "s" };

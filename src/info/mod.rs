@@ -12,6 +12,7 @@ mod table;
 
 use std::path::Path;
 
+use engine::scene::import;
 use serde::Serialize;
 
 use crate::failure::Failure;
@@ -59,7 +60,9 @@ fn of(job: &InfoJob) -> Result<Info, Failure> {
         false => {
             let look = job.look.as_deref();
             let textures = library::texture_dirs(&job.texture_dirs, look)?;
-            return SceneInfo::read(file, look, &textures).map(|info| Info::Scene(Box::new(info)));
+            let info = SceneInfo::read(file, look, &textures);
+            let info = info.map_err(|failure| of_no_kind(file, failure))?;
+            return Ok(Info::Scene(Box::new(info)));
         }
     };
     match &job.look {
@@ -69,6 +72,19 @@ fn of(job: &InfoJob) -> Result<Info, Failure> {
             look.display(),
             file.display()
         ))),
+    }
+}
+
+/// Why a file isn't read as a scene, with what it might be where its name doesn't say that it is one.
+fn of_no_kind(file: &Path, failure: Failure) -> Failure {
+    match failure {
+        Failure::Failed(why) if !import::is_scene(file) => Failure::Failed(format!(
+            "{} is none of what `patina info` reads: {}, a look (.toml), a partial render (.patina-film) or a picture (.exr, .png, .jpg, \
+             .hdr); read as a scene: {why}",
+            file.display(),
+            import::known_formats()
+        )),
+        other => other,
     }
 }
 

@@ -128,19 +128,15 @@ impl SceneInfo {
         look: Option<&Path>,
         textures: &[PathBuf],
     ) -> Result<Self, Failure> {
-        // Of a scene whose animations are damaged the rest is still worth knowing.
-        let animations = import::animations(path).unwrap_or_else(|error| {
-            console::warning(&error.to_string());
-            Vec::new()
-        });
         let Some(look) = look else {
             let imported = import::load(path).map_err(Failure::because)?;
             let warnings = imported.warnings.iter();
             warnings.for_each(|warning| console::warning(warning));
-            return Ok(Self::of(path, &imported.scene, &animations, None));
+            return Ok(Self::of(path, &imported.scene, &animations(path), None));
         };
         let mut loaded = load::load(path, Some(look), textures)?;
         console::diagnostics(&loaded.warnings);
+        let animations = animations(path);
         let look = loaded.look.as_ref();
         // What blends with itself has a surface below it that nobody has named; it is on no triangle.
         let own = loaded.procedural.scene_materials();
@@ -443,6 +439,14 @@ impl Unused {
         });
         rows.collect()
     }
+}
+
+/// The animations of a scene that can be read. Where they are damaged the rest is still worth knowing.
+fn animations(path: &Path) -> Vec<Animation> {
+    import::animations(path).unwrap_or_else(|error| {
+        console::warning(&error.to_string());
+        Vec::new()
+    })
 }
 
 /// Names of materials that are on a triangle, or below a blend that is.

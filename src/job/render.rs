@@ -10,7 +10,6 @@ use engine::film::{Crop, Layers, layers::SHADOW_CATCHER};
 use engine::filter::PixelFilter;
 use engine::scene::Scene;
 use engine::scene::view::ViewChoice;
-use engine::session::Edit;
 use engine::settings::{Divided, Estimator, Method, Sampler};
 use pictures::seen::FINAL;
 
@@ -18,7 +17,7 @@ use crate::accuracy::{Accuracy, method_flag};
 use crate::args::RenderArgs;
 use crate::form;
 use crate::motion::MotionJob;
-use crate::overrides;
+use crate::overrides::Overrides;
 use crate::progress::Reader;
 use crate::usage::UsageError;
 use crate::words::{
@@ -68,7 +67,7 @@ pub(crate) struct RenderJob {
     /// Samples of the whole picture, of which this may be a part, as far as that is known.
     pub(crate) whole_spp: u32,
     /// What is to be otherwise than in the look.
-    pub(crate) edits: Vec<Edit>,
+    pub(crate) overrides: Overrides,
     /// Most scattering vertices of a path.
     pub(crate) max_depth: u32,
     /// How a pixel weighs the light around its centre.
@@ -192,7 +191,7 @@ impl RenderJob {
             None => samples,
         };
         let checkpoints = checkpoints(&args, &outputs)?;
-        let edits = overrides::parse(
+        let overrides = Overrides::parse(
             &args.set,
             args.environment.as_deref(),
             args.camera_at.as_deref(),
@@ -242,7 +241,7 @@ impl RenderJob {
             camera: args.camera,
             motion,
             whole_spp,
-            edits,
+            overrides,
             filter,
             filter_width: match &args.filter_width {
                 Some(width) => {

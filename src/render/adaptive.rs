@@ -52,9 +52,11 @@ impl<F: FnOnce()> Exposure<'_, '_, F> {
                 return Ok(limit.map(|limit| Ended::Enough(Limit::Noise(limit))));
             }
             if let Some(writer) = self.writer.as_mut().filter(|writer| writer.is_due()) {
-                let paths = paths(&film, session);
-                writer.write(film, paths);
+                writer.write(film.clone(), paths(&film, session));
             }
+            // What ends within the first round is gone on with as it is: it doesn't matter where its samples are taken first.
+            let is_first = film.sample_bounds().0 < goal.first();
+            let between = (!is_first).then_some(film);
             let mut done = round.spp * pixels;
             for lot in &round.lots {
                 let mut from = 0;
@@ -63,11 +65,13 @@ impl<F: FnOnce()> Exposure<'_, '_, F> {
                     from += blocks;
                     self.first_is_done();
                     if interrupt::requested() {
+                        self.between = between;
                         return Ok(Some(Ended::Interrupted));
                     }
                     done += lot.paths() as f64 * blocks as f64 / lot.blocks.len() as f64;
                     // The first round goes over all pixels, block by block: there are none everywhere until it is done.
                     if let Some(limit) = self.watch.time_is_over(round.spp) {
+                        self.between = between;
                         return Ok(Some(Ended::Enough(limit)));
                     }
                     let progress = Progress {

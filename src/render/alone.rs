@@ -229,6 +229,7 @@ pub(super) fn render(
         watch: &mut watch,
         writer: writer.as_mut(),
         after_first: Some(first),
+        between: None,
     };
     let mut reel = take.reel;
     let is_film_wanted = !job.outputs.films.is_empty();
@@ -299,8 +300,8 @@ pub(super) fn render(
     checkpoint::tell_refined(&mut settings_written, refined);
     interrupt::writes_results();
     let Done {
-        film,
-        paths,
+        mut film,
+        mut paths,
         stats,
         ended,
         is_preview,
@@ -309,8 +310,17 @@ pub(super) fn render(
     // A frame that was interrupted isn't written, not even its film: what there is of it is here.
     let is_dropped = job.motion.is_sequence() && matches!(ended, Some(Ended::Interrupted));
     let is_written = is_film_wanted && !is_dropped;
+    let mut kept = None;
+    if let Some(between) = exposure.between.take().filter(|_| writer.is_some()) {
+        let at = adaptive::paths(&between, &session);
+        match is_written {
+            true => (film, paths) = (between, at),
+            false => kept = Some((between, at)),
+        }
+    }
     if let (Some(writer), false) = (&mut writer, is_written || is_preview) {
-        writer.write(film.clone(), paths);
+        let (film, paths) = kept.unwrap_or_else(|| (film.clone(), paths));
+        writer.write(film, paths);
         writer.finish();
     }
     drop(writer);
@@ -392,6 +402,8 @@ pub(super) struct Exposure<'a, 'w, F> {
     pub(super) writer: Option<&'a mut checkpoint::Writer<'w>>,
     /// What is to be done after the first wave.
     after_first: Option<F>,
+    /// The film as it was before the round in which an adaptive picture has ended, from which that is decided anew when it goes on.
+    pub(super) between: Option<Film>,
 }
 
 impl<F: FnOnce()> Exposure<'_, '_, F> {
@@ -421,11 +433,15 @@ impl<F: FnOnce()> Exposure<'_, '_, F> {
                 return Ok(Some(Ended::Interrupted));
             }
             let samples = progress.samples_done as f64 / pixels;
+            // Neither error nor time ends a picture before all of it is there, if only as what goes ahead of it.
+            let is_ahead = session.records_awaited().is_some();
             let noise = |look: &Look| {
                 let film = session.snapshot().map_err(failure)?.film;
                 Ok(Some(look.at(&film)))
             };
-            if let Some(limit) = self.watch.reached::<Failure>(samples, noise)? {
+            if (samples >= 1.0 || is_ahead)
+                && let Some(limit) = self.watch.reached::<Failure>(samples, noise)?
+            {
                 return Ok(Some(Ended::Enough(limit)));
             }
             match session.records_awaited() {

@@ -65,6 +65,7 @@ pub(super) fn run(job: &RenderJob) -> Result<(), Failure> {
         let mut first = reel.at(&sights[0])?;
         first.beside = beside;
         let warnings = &first.opening.loaded().warnings;
+        let warnings = job.overrides.told(job.look.as_deref(), warnings);
         let news = warnings
             .iter()
             .filter(|warning| told.insert(warning.render()));

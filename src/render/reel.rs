@@ -1,9 +1,10 @@
 //! A scene over time as the render sees it: at each moment the scene, its camera, and what textures are told.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use engine::scene::{Camera, Mesh, Scene};
-use engine::session::{Inputs, Opening, Sequence};
+use engine::session::{Inputs, Opening, Sequence, SessionError};
 use engine::settings::Beside;
 use engine::system::System;
 use glam::{Affine3A, DAffine3, DQuat, DVec3, Mat3, Vec3};
@@ -11,6 +12,7 @@ use glam::{Affine3A, DAffine3, DQuat, DVec3, Mat3, Vec3};
 use crate::failure::Failure;
 use crate::job::RenderJob;
 use crate::motion::Sight;
+use crate::overrides::Overrides;
 
 use super::cameras::find_camera;
 
@@ -18,6 +20,22 @@ use super::cameras::find_camera;
 pub(super) struct Reel {
     sequence: Sequence,
     camera: Option<String>,
+    /// Width of the whole picture over its height.
+    aspect: f32,
+    said: Said,
+}
+
+/// What the command line says of the look, for messages about it.
+struct Said {
+    look: Option<PathBuf>,
+    overrides: Overrides,
+}
+
+impl Said {
+    fn failure(&self, error: SessionError) -> Failure {
+        let look = self.look.as_deref();
+        self.overrides.told_failure(look, error.into())
+    }
 }
 
 /// What is seen at a moment.
@@ -34,7 +52,12 @@ impl Reel {
     /// # Errors
     /// What can't be read; an animation that isn't there.
     pub(super) fn open(job: &RenderJob, inputs: Inputs) -> Result<Self, Failure> {
-        let mut sequence = Sequence::read(inputs, System::default(), &job.edits)?;
+        let said = Said {
+            look: inputs.look.clone(),
+            overrides: job.overrides.clone(),
+        };
+        let sequence = Sequence::read(inputs, System::default(), &said.overrides.edits);
+        let mut sequence = sequence.map_err(|error| said.failure(error))?;
         if let Some(wanted) = &job.motion.animation {
             let animations = sequence.animations()?;
             let names: Vec<&str> = animations.iter().map(|a| a.name.as_str()).collect();
@@ -50,9 +73,12 @@ impl Reel {
                 return Err(Failure::Failed(format!("--animation {wanted}: {there}")));
             }
         }
+        let [width, height] = (job.crop).map_or([job.width, job.height], |crop| crop.whole);
         Ok(Self {
             sequence,
             camera: job.camera.clone(),
+            aspect: width as f32 / height as f32,
+            said,
         })
     }
 
@@ -61,7 +87,8 @@ impl Reel {
     /// # Errors
     /// What can't be read, or makes no sense at that moment.
     pub(super) fn at(&mut self, sight: &Sight) -> Result<View, Failure> {
-        let opening = self.sequence.at(&sight.moment)?;
+        let opening = self.sequence.at(&sight.moment);
+        let opening = opening.map_err(|error| self.said.failure(error))?;
         self.seen(opening, sight)
     }
 
@@ -93,13 +120,19 @@ impl Reel {
     /// # Errors
     /// As [`Self::at`].
     pub(super) fn once(self, sight: &Sight) -> Result<View, Failure> {
-        let camera = self.camera;
-        let opening = self.sequence.once(&sight.moment)?;
-        seen(camera.as_deref(), opening, sight)
+        let Self {
+            sequence,
+            camera,
+            aspect,
+            said,
+        } = self;
+        let opening = sequence.once(&sight.moment);
+        let opening = opening.map_err(|error| said.failure(error))?;
+        seen(camera.as_deref(), aspect, opening, sight)
     }
 
     fn seen(&self, opening: Opening, sight: &Sight) -> Result<View, Failure> {
-        seen(self.camera.as_deref(), opening, sight)
+        seen(self.camera.as_deref(), self.aspect, opening, sight)
     }
 }
 
@@ -112,11 +145,18 @@ fn bent_positions(mesh: &Mesh) -> Vec<Vec3> {
 }
 
 /// Through the camera of that name, which may have gone around the scene.
-fn seen(camera: Option<&str>, mut opening: Opening, sight: &Sight) -> Result<View, Failure> {
-    if let Some(wanted) = camera {
-        let camera = find_camera(&opening.loaded().scene, wanted)?;
-        opening = opening.seen_by(camera);
-    }
+fn seen(
+    camera: Option<&str>,
+    aspect: f32,
+    mut opening: Opening,
+    sight: &Sight,
+) -> Result<View, Failure> {
+    let loaded = opening.loaded();
+    let camera = match camera {
+        Some(wanted) => find_camera(&loaded.scene, wanted)?,
+        None => loaded.camera_for(aspect),
+    };
+    opening = opening.seen_by(camera);
     if sight.turn != 0.0 {
         let loaded = opening.loaded();
         let camera = turned(&loaded.camera, &loaded.scene, sight.turn);

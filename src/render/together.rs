@@ -257,6 +257,10 @@ fn follow(
         if interrupt::requested() {
             return Some(Ended::Interrupted);
         }
+        // All of a picture has a sample before its time may be over, unless it waits for what goes ahead of it.
+        if samples < 1.0 && job.method == Method::Path {
+            continue;
+        }
         let noise = |look: &Look| Ok::<_, Infallible>(fleet.look(|film| look.at(film)));
         let Ok(limit) = watch.reached(samples, noise);
         if let Some(limit) = limit {

@@ -43,7 +43,7 @@ pub(crate) enum TextureCommand {
         #[arg(short, long, value_name = "FILE")]
         output: Option<PathBuf>,
 
-        /// Write the sheets into this folder, as textures-GROUP.jpg.
+        /// Write the sheets into this folder, as textures-GROUP.jpg; it is made where there is none.
         #[arg(long, value_name = "DIR")]
         sheets: Option<PathBuf>,
 

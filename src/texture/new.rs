@@ -19,6 +19,13 @@ const TEMPLATE: &str = include_str!("template.wgsl");
 /// There is a file of that name already, or it can't be written; there is no texture to copy.
 pub(crate) fn run(job: &NewJob) -> Result<(), Failure> {
     let path = job.dir.join(format!("{}.wgsl", job.name));
+    let no_folder = |error: std::io::Error| {
+        let dir = job.dir.display();
+        Failure::Failed(match job.dir.exists() {
+            true => format!("--dir {dir}: it is no folder; name another one"),
+            false => format!("cannot create the folder {dir}: {error}"),
+        })
+    };
     let refused = |error: std::io::Error| {
         Failure::Failed(match error.kind() {
             ErrorKind::AlreadyExists => format!(
@@ -43,7 +50,7 @@ pub(crate) fn run(job: &NewJob) -> Result<(), Failure> {
             "there is a standard texture of this name already: yours takes its place wherever its folder is searched",
         );
     }
-    fs::create_dir_all(&job.dir).map_err(refused)?;
+    fs::create_dir_all(&job.dir).map_err(no_folder)?;
     aside::create(&path, |file| file.write_all(text.as_bytes())).map_err(refused)?;
     console::note(&format!(
         "wrote {}\nsee it with: patina texture preview {} --textures {}",

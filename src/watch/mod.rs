@@ -3,6 +3,7 @@
 
 pub(crate) mod args;
 pub(crate) mod files;
+mod folders;
 pub(crate) mod job;
 
 use std::path::PathBuf;
@@ -13,8 +14,9 @@ use device::{Device, DeviceOptions};
 use engine::load;
 use engine::renderer::RenderSettings;
 use engine::scene::look::Look;
-use engine::session::{Inputs, Session};
+use engine::session::{Inputs, Opening, Session};
 use engine::stats::Doubt;
+use engine::system::System;
 
 use crate::failure::Failure;
 use crate::output;
@@ -22,6 +24,7 @@ use crate::progress::Bar;
 use crate::{cache, console, interrupt, library};
 
 use files::{Changes, Watcher};
+use folders::Folders;
 use job::WatchJob;
 
 /// How often a watch that has nothing to render looks whether something in the background is ready.
@@ -126,17 +129,22 @@ fn is_free(written: &[PathBuf], read: &[PathBuf]) -> bool {
 }
 
 fn open(job: &WatchJob, bar: &Arc<Bar>) -> Result<Session, Failure> {
+    let textures = library::texture_dirs_to_come(&job.texture_dirs, job.look.as_deref())?;
+    let system = System {
+        files: Arc::new(Folders::new(&textures)),
+        ..System::default()
+    };
     let inputs = Inputs {
         scene: job.scene.clone(),
         look: job.look.clone(),
-        textures: library::texture_dirs(&job.texture_dirs, job.look.as_deref())?,
+        textures,
         camera: job.camera.clone(),
     };
     let (device, folder) = (job.device.clone(), cache::folder());
     let bar = Arc::clone(bar);
     let (width, height, max_depth, seed) = (job.width, job.height, job.max_depth, job.seed);
-    Session::open(
-        inputs,
+    let opening = Opening::read(inputs, system)?;
+    let session = opening.start(
         Arc::new(move || {
             Device::open_with(&DeviceOptions::new(&device).with_cache(folder.as_deref()))
                 .inspect(|device| bar.follow(device))
@@ -146,8 +154,8 @@ fn open(job: &WatchJob, bar: &Arc<Bar>) -> Result<Session, Failure> {
             seed,
             ..RenderSettings::new(width, height, &camera)
         }),
-    )
-    .map_err(Failure::from)
+    );
+    session.map_err(Failure::from)
 }
 
 fn follow(session: &mut Session, changes: &Changes) {

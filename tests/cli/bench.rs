@@ -170,3 +170,10 @@ fn whole_renders_are_measured_in_turn() {
         assert!(scene["path_bytes"]["rays"].as_u64() >= Some(96), "{scene}");
     }
 }
+
+#[test]
+fn a_device_that_is_not_there_is_found_before_anything_is_measured() {
+    let ended = Bench::new().run("bench scaling --device no-such-device");
+    let told = ended.expect_error(1, "no-such-device").stderr;
+    assert!(!told.contains("measuring"), "{told}");
+}

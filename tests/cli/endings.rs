@@ -29,7 +29,7 @@ fn signal(child: &Child, name: &str) {
 }
 
 /// Whether or not it is still there.
-fn signal_again(child: &Child, name: &str) {
+pub(super) fn signal_again(child: &Child, name: &str) {
     let _ = Command::new("kill")
         .args([name, &child.id().to_string()])
         .stderr(Stdio::null())

@@ -41,7 +41,12 @@ fn parts_of_a_farm_make_the_whole_and_what_is_lost_is_made_again() {
     run("sh job/part.sh 1").expect_code(0);
     run("sh job/part.sh 3").expect_code(0);
     run("sh job/part.sh 4").expect_code(2);
-    run("sh job/merge.sh").expect_code(1);
+    let merged = run("sh job/merge.sh").expect_code(1);
+    assert!(
+        merged.stderr.contains("samples 6..13 are missing"),
+        "{}",
+        merged.stderr
+    );
     let said = export("--missing").expect_code(0);
     assert!(said.stdout.contains("parts"), "{}", said.stdout);
     for part in 1..=3 {
@@ -113,8 +118,126 @@ fn each_scheduler_gets_files_and_senseless_jobs_are_refused() {
             .expect_code(2);
     }
     bench
+        .run("farm export --to slurm -o x --result a.png triangle.gltf -- --shutter 0.5")
+        .expect_error(2, "--part I/N");
+    bench
         .run("farm export --to slurm -o x --result a.gif triangle.gltf")
         .expect_code(2);
+}
+
+#[test]
+fn what_the_merge_would_refuse_is_refused_at_once() {
+    let bench = Bench::new();
+    fs::write(bench.path("sky.exr"), "a sky").expect("written");
+    let own = "environment = { image = \"sky.exr\" }\n";
+    fs::write(bench.path("own.look.toml"), own).expect("written");
+    fs::write(bench.path("wrong.look.toml"), "[view]\nexposur = 1\n").expect("written");
+    for (result, flags, code, said) in [
+        ("sky.exr", "--environment sky.exr", 2, "is an input"),
+        ("./sky.exr", "--look own.look.toml", 2, "is an input"),
+        ("job/00-10.patina-film", "", 2, "is an input"),
+        ("a.exr --result ./a.exr", "", 2, "twice"),
+        ("nodir/a.exr", "", 1, "the folder nodir does not exist"),
+        ("job", "", 2, ".exr"),
+        ("a.exr", "--environment no.hdr", 1, "no.hdr"),
+        ("a.exr", "--look no.look.toml", 1, "no.look.toml"),
+        ("a.exr", "--look wrong.look.toml", 1, "exposure"),
+    ] {
+        let line = format!(
+            "farm export --to slurm --spp 20 --parts 2 -o job --result {result} triangle.gltf -- {flags}"
+        );
+        bench.run(&line).expect_error(code, said);
+        assert!(!bench.path("job/part.sh").exists(), "{line}");
+    }
+    bench
+        .run("farm export --to slurm -o job --result a.exr no.glb")
+        .expect_error(1, "no.glb");
+    let line =
+        "farm export --to slurm -o job --result job/a.exr triangle.gltf -- --environment sky.exr";
+    bench.run(line).expect_code(0);
+    assert_eq!(fs::read(bench.path("sky.exr")).expect("there"), b"a sky");
+}
+
+/// Runs a script of a job with this in the place of the program.
+#[cfg(unix)]
+fn with_program(bench: &Bench, program: &str, script: &str) -> Command {
+    use std::os::unix::fs::PermissionsExt;
+
+    let folder = bench.path("programs");
+    fs::create_dir_all(&folder).expect("a folder");
+    fs::write(folder.join("patina"), program).expect("written");
+    let executable = fs::Permissions::from_mode(0o755);
+    fs::set_permissions(folder.join("patina"), executable).expect("it may be run");
+    let path = std::env::var("PATH").unwrap_or_default();
+    let mut command = Command::new("sh");
+    command
+        .args(script.split(' '))
+        .current_dir(&bench.dir)
+        .env("PATH", format!("{}:{path}", folder.display()))
+        .stdin(Stdio::null());
+    command
+}
+
+#[cfg(unix)]
+#[test]
+fn a_signal_to_the_script_of_a_part_ends_its_render() {
+    let bench = Bench::new();
+    bench
+        .run("farm export --to openjd -o job --result a.exr triangle.gltf")
+        .expect_code(0);
+    // It writes what it has, as a render does, which takes a while.
+    let program = "#!/bin/sh\nfor film; do :; done\ntrap 'sleep 1; echo half >begun; exit 143' TERM\necho $$ >pid\n\
+                   while :; do sleep 0.1; done\n";
+    let mut command = with_program(&bench, program, "job/part.sh 1");
+    // A render that is left behind would hold pipes open.
+    command.stdout(Stdio::null()).stderr(Stdio::null());
+    let mut child = command.spawn().expect("sh starts");
+    let start = std::time::Instant::now();
+    let render = loop {
+        let text = fs::read_to_string(bench.path("pid")).unwrap_or_default();
+        if text.ends_with('\n') {
+            break text.trim().to_owned();
+        }
+        assert!(start.elapsed().as_secs() < 60, "the render doesn't begin");
+        std::thread::sleep(std::time::Duration::from_millis(50));
+    };
+    let kill = |words: &[&str]| {
+        let mut command = Command::new("kill");
+        let status = command.args(words).stderr(Stdio::null()).status();
+        status.expect("kill starts").success()
+    };
+    assert!(kill(&["-TERM", &child.id().to_string()]));
+    let status = child.wait().expect("it ends");
+    let is_left = kill(&["-0", &render]);
+    assert!(!is_left || kill(&["-KILL", &render]));
+    assert!(!is_left, "the render goes on");
+    assert_eq!(status.code(), Some(143));
+    assert!(bench.path("begun").exists(), "it was waited for");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_merge_is_of_the_parts_that_there_are() {
+    let bench = Bench::new();
+    bench
+        .run("farm export --to openjd --spp 20 --parts 2 -o job --result a.exr triangle.gltf")
+        .expect_code(0);
+    let program = "#!/bin/sh\nfor word; do echo \"$word\"; done\n";
+    let merge = || {
+        let ended = with_program(&bench, program, "job/merge.sh").output();
+        Outcome::of(ended.expect("sh starts"), "merge.sh")
+    };
+    let told = merge().expect_code(1);
+    assert!(
+        told.stderr.contains("samples 0..20 are missing"),
+        "{}",
+        told.stderr
+    );
+    fs::write(bench.path("job/10-20.patina-film"), "a film").expect("written");
+    let words = merge().expect_code(0).stdout;
+    assert!(words.contains("--expect\n0..20\n"), "{words}");
+    assert!(words.ends_with("10-20.patina-film\n"), "{words}");
+    assert!(!words.contains("00-10"), "{words}");
 }
 
 #[test]

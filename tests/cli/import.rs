@@ -75,6 +75,19 @@ fn a_document_becomes_a_look() {
         .expect_error(1, "cannot read");
 }
 
+#[test]
+fn what_an_import_cannot_do_is_said_at_once() {
+    let bench = Bench::new();
+    fs::write(bench.path("a.mtlx"), DOCUMENT).expect("written");
+    bench
+        .run("import a.mtlx -o no/such/a.look.toml")
+        .expect_error(1, "the folder no/such does not exist");
+    bench
+        .run("import a.mtlx --name=")
+        .expect_error(2, "--name: the name is empty");
+    assert_eq!(bench.files(), ["a.mtlx", "triangle.gltf"]);
+}
+
 /// What makes the triangle's emission a checkerboard, and a place that is no texture coordinate.
 const PROCEDURALS: &str = r#"
   "extensionsUsed": ["KHR_texture_procedurals", "EXT_texture_procedurals_mx_1_39"],

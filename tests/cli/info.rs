@@ -88,8 +88,12 @@ fn what_cannot_be_told_of_is_an_error_that_names_it() {
         ("bad.look.toml", b"[node"),
     ] {
         fs::write(bench.path(name), content).expect("written");
-        bench.run(&format!("info {name}")).expect_error(1, name);
+        let told = bench.run(&format!("info {name}")).expect_error(1, name);
+        assert!(!told.stderr.contains("warning"), "{}", told.stderr);
     }
+    bench
+        .run("info text.bin")
+        .expect_error(1, "a partial render (.patina-film)");
     bench.run("info no.glb").expect_error(1, "no.glb");
     bench.run("info .").expect_error(1, "");
 }

@@ -1,5 +1,6 @@
 //! What ends a render, keeps it and goes on with it; what a command line says in place of the look.
 
+use super::endings::signal_again;
 use super::*;
 
 /// A lit scene that is noisy: the triangle under a sky, with a rough surface.
@@ -37,6 +38,40 @@ fn noise_and_time_end_a_render_and_say_so() {
     let refused = bench.run("render triangle.gltf --time soon").expect_code(2);
     assert!(refused.stderr.contains("10m"), "{}", refused.stderr);
     bench.run("render triangle.gltf --noise 0").expect_code(2);
+}
+
+#[test]
+fn a_black_picture_is_without_noise() {
+    if !device() {
+        return;
+    }
+    let bench = Bench::new();
+    let dark = "environment = { color = [0, 0, 0] }\n[material.Glow]\nemission = [0, 0, 0]\n";
+    fs::write(bench.path("dark.look.toml"), dark).expect("written");
+    for flags in ["", "--adaptive", "--device native:1,native:1"] {
+        let line = format!(
+            "render triangle.gltf --look dark.look.toml --size 16x16 --noise 0.02 {flags} -o a.png"
+        );
+        let said = bench.run(&line).expect_code(0).stdout;
+        assert!(said.contains("ended by --noise 0.02"), "{flags}: {said}");
+    }
+}
+
+#[test]
+fn time_leaves_no_pixel_without_a_sample() {
+    if !device() {
+        return;
+    }
+    let bench = sky();
+    let scene = "render triangle.gltf --look sky.look.toml --size 1024x1024";
+    let line = format!("{scene} --spp 64 --time 0.000001s -o a.png");
+    let said = bench.run(&line).expect_code(0).stdout;
+    assert!(said.contains("ended by --time"), "{said}");
+    assert!(!said.contains("after 0 samples"), "{said}");
+    // A round of all pixels takes too long to be waited for.
+    let line = format!("{scene} --spp 256 --adaptive --time 0.000001s -o b.png");
+    let warned = bench.run(&line).expect_code(0).stderr;
+    assert!(warned.contains("those without any are black"), "{warned}");
 }
 
 #[test]
@@ -354,7 +389,7 @@ fn what_ends_before_the_first_sample_leaves_nothing() {
     }
 }
 
-/// Kills a render at random times, so often, before so many milliseconds are over, and goes on with it.
+/// Ends a render at random times, by a signal that it notices or by one that it doesn't, so often, before so many milliseconds are over, and goes on with it.
 fn killed(scene: &str, wanted: usize, longest: u64) {
     let bench = sky();
     let line = format!("render {scene}");
@@ -372,7 +407,10 @@ fn killed(scene: &str, wanted: usize, longest: u64) {
         std::thread::sleep(std::time::Duration::from_millis(pause));
         let is_done = child.try_wait().expect("it is known").is_some();
         if !is_done {
-            child.kill().expect("killed");
+            match round % 3 {
+                0 => signal_again(&child, "-INT"),
+                _ => child.kill().expect("killed"),
+            }
             kills += 1;
         }
         child.wait().expect("it has ended");

@@ -16,6 +16,10 @@ fn painted() -> Bench {
     fs::create_dir(bench.path("user_textures")).expect("a folder");
     let texture = "fn userProc(photo: sam2D) -> vec3f { return tex2D(photo, vec2f(0.5)).rgb; }\n";
     fs::write(bench.path("user_textures/t.wgsl"), texture).expect("written");
+    fs::create_dir(bench.path("user_textures/lib")).expect("a folder");
+    for unused in ["user_textures/other.wgsl", "user_textures/lib/shared.wgsl"] {
+        fs::write(bench.path(unused), texture).expect("written");
+    }
     let look =
         "[node.t]\ntexture = \"t\"\nphoto = \"photo.png\"\n[material.Glow]\nbase_color = \"t\"\n";
     fs::write(bench.path("a.look.toml"), look).expect("written");
@@ -46,6 +50,9 @@ fn what_a_scene_was_made_of_is_not_overwritten() {
     for line in [
         "-o photo.png",
         "--stats-json user_textures/t.wgsl",
+        // The look doesn't use them.
+        "--stats-json user_textures/other.wgsl",
+        "--stats-json user_textures/lib/shared.wgsl",
         "--stats-json below/../a.look.toml",
         "--stats-json ./triangle.gltf",
     ] {
@@ -56,12 +63,20 @@ fn what_a_scene_was_made_of_is_not_overwritten() {
     for line in [
         "texture preview t --look a.look.toml -o photo.png",
         "bench render painted.gltf --json below/../paint.png",
+        "bench render --json user_textures/t.wgsl",
+        "texture doc -o user_textures/t.wgsl",
+        "texture doc -o user_textures/lib/shared.wgsl",
         "watch painted.gltf -o ./below/../paint.png",
         "merge triangle.gltf -o below/../triangle.gltf.patina-film -o ./triangle.gltf.patina-film",
     ] {
         bench.run(line).expect_code(2);
     }
     assert_eq!(fs::read(bench.path("paint.png")).expect("there"), before);
+    for texture in ["t", "other", "lib/shared"] {
+        let path = bench.path(&format!("user_textures/{texture}.wgsl"));
+        let text = fs::read_to_string(path).expect("there");
+        assert!(text.contains("userProc"), "{texture}");
+    }
 }
 
 #[cfg(unix)]

@@ -6,13 +6,14 @@ mod shown;
 mod swatch;
 
 use std::collections::BTreeMap;
+use std::fs;
 use std::io::Write;
+use std::path::PathBuf;
 
-use engine::aside;
 use texgen::TextureType;
 
-use crate::console;
 use crate::failure::Failure;
+use crate::{console, library, output};
 
 use super::job::DocJob;
 
@@ -39,10 +40,11 @@ pub(super) struct Group {
     pub(super) textures: Vec<TextureType>,
 }
 
-/// Writes the page, or prints it; and the sheets where a folder is given.
+/// Writes the sheets where a folder is given, then the page, or prints it.
 ///
 /// # Errors
-/// A folder can't be read, the device refuses, or a file can't be written. Textures with errors are warned of and left out.
+/// A folder can't be read, the device refuses, or a file can't be written or is a texture. Textures with errors are warned of and left
+/// out.
 pub(crate) fn run(job: &DocJob) -> Result<(), Failure> {
     let sources = super::sources(&job.texture_dirs, None)?;
     let mut by_group: BTreeMap<String, Vec<TextureType>> = BTreeMap::new();
@@ -59,20 +61,36 @@ pub(crate) fn run(job: &DocJob) -> Result<(), Failure> {
         }
     }
     let groups = in_order(by_group);
+    check(job, &groups, &library::files(sources.directories()))?;
+    if let Some(folder) = &job.sheets {
+        sheet::write_all(&groups, &sources, folder, &job.device)?;
+    }
     let page = page::page(&groups);
     match &job.output {
         Some(path) => {
-            aside::replace(path, |file| file.write_all(page.as_bytes())).map_err(|error| {
-                Failure::Failed(format!("cannot write {}: {error}", path.display()))
-            })?;
+            output::write_aside(path, |file| file.write_all(page.as_bytes()))
+                .map_err(Failure::because)?;
             console::note(&format!("wrote {}", path.display()));
         }
         None => console::print(page.trim_end()),
     }
-    match &job.sheets {
-        Some(folder) => sheet::write_all(&groups, &sources, folder, &job.device),
-        None => Ok(()),
+    Ok(())
+}
+
+/// Whether all files can be written, none of them over a texture. Makes the folder of the sheets.
+fn check(job: &DocJob, groups: &[Group], textures: &[PathBuf]) -> Result<(), Failure> {
+    if let Some(folder) = &job.sheets {
+        fs::create_dir_all(folder).map_err(|error| {
+            Failure::Failed(format!("cannot create {}: {error}", folder.display()))
+        })?;
     }
+    let sheet = |folder: &PathBuf| {
+        let names = groups.iter().map(|group| page::file_name(&group.name));
+        names.map(|name| folder.join(name)).collect::<Vec<_>>()
+    };
+    let sheets = job.sheets.iter().flat_map(sheet);
+    let written: Vec<PathBuf> = job.output.iter().cloned().chain(sheets).collect();
+    output::check_all(&written, textures)
 }
 
 fn in_order(mut by_group: BTreeMap<String, Vec<TextureType>>) -> Vec<Group> {

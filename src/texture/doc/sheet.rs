@@ -9,6 +9,7 @@ use engine::procedural::TextureSources;
 
 use crate::console;
 use crate::failure::Failure;
+use crate::output::OutputError;
 use crate::progress::Bar;
 
 use super::swatch::{SIDE, swatch};
@@ -70,7 +71,7 @@ fn save(path: &Path, size: [usize; 2], rgb: &[[u8; 3]]) -> Result<(), Failure> {
     // Sides are some thousands of pixels at most.
     let size = size.map(|side| side as u32);
     save_shown(path, format, size, &rgba)
-        .map_err(|error| Failure::Failed(format!("cannot write {}: {error}", path.display())))
+        .map_err(|error| Failure::because(OutputError::new(path, error)))
 }
 
 /// A linear value as sRGB.
