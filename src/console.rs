@@ -78,6 +78,9 @@ pub(crate) fn duration(time: Duration) -> String {
 
 /// A number with three digits that count.
 pub(crate) fn significant(number: f64) -> String {
+    if number == 0.0 {
+        return "0".to_owned();
+    }
     let digits = 2 - number.abs().max(1e-12).log10().floor() as i32;
     format!("{number:.*}", digits.clamp(0, 12) as usize)
 }

@@ -74,6 +74,7 @@ pub(crate) fn run(job: &MergeJob) -> Result<(), Failure> {
         .map_err(|error| form::refused("--exr-compression", &error))?;
     let mut results = Results {
         part: &merged,
+        kept: None,
         layers: merged.film.layers(),
         denoised: None,
         transparent: job.transparent,

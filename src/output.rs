@@ -27,8 +27,10 @@ use crate::words::{Output, Outputs};
 
 /// What is written of a render, or of a merge.
 pub(crate) struct Results<'a> {
-    /// What was gathered, for files of films.
+    /// What was gathered.
     pub(crate) part: &'a Part,
+    /// What files of films hold in its place, where that is gone on with.
+    pub(crate) kept: Option<&'a Part>,
     /// What of it files of pictures hold.
     pub(crate) layers: &'a Layers,
     /// The picture that they show, where its noise has been taken out.
@@ -247,7 +249,8 @@ fn try_all(outputs: &Outputs, results: &Results<'_>) -> Vec<(PathBuf, OutputErro
         Err(error) => failed.push((path.to_owned(), error)),
     };
     for path in &outputs.films {
-        let written = write_aside(path, |file| part.write(file));
+        let film = results.kept.unwrap_or(part);
+        let written = write_aside(path, |file| film.write(file));
         note(&mut failed, path, written);
     }
     // A frame that has its pictures is taken for done.

@@ -254,6 +254,8 @@ struct Rendered {
     names: BTreeMap<String, Vec<String>>,
     /// How many of the picture's paths are there, where these are the first ones.
     paths: Option<u64>,
+    /// What is gone on with in place of that, and its paths.
+    kept: Option<(Film, u64)>,
     /// Why it isn't complete, if it isn't.
     ended: Option<Ended>,
     /// Whether it is of paths that go ahead of the picture, which isn't begun.
@@ -370,11 +372,14 @@ fn write(
     let mut outcome = match rendered.gathered {
         Gathered::Pieces(pieces) => pieces.write(job, &origin, view),
         Gathered::Whole(film) => {
+            let kept = rendered.kept.map(|(film, paths)| {
+                Part::new(film, rendered.samples.clone(), origin.clone()).under_way(paths)
+            });
             let mut part = Part::new(film, rendered.samples, origin);
             if let Some(paths) = rendered.paths {
                 part = part.under_way(paths);
             }
-            write_part(job, &part, view, denoiser)
+            write_part(job, &part, kept.as_ref(), view, denoiser)
         }
     };
 
@@ -414,11 +419,13 @@ fn write(
 fn write_part(
     job: &RenderJob,
     part: &Part,
+    kept: Option<&Part>,
     view: &View,
     denoiser: Option<&Denoiser>,
 ) -> Result<(), Failure> {
     let mut results = Results {
         part,
+        kept,
         layers: &job.shown_layers,
         denoised: None,
         transparent: job.transparent,

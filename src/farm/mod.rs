@@ -89,13 +89,19 @@ impl Plan {
 /// They can't be written, nor can the results; a film in the folder can't be read, nor can what the parts are rendered from.
 pub(crate) fn export(job: &ExportJob) -> Result<(), Failure> {
     let mut read = inputs(job)?;
+    let is_new = !job.folder.exists();
     std::fs::create_dir_all(&job.folder).map_err(|error| {
         Failure::Failed(format!("cannot create {}: {error}", job.folder.display()))
     })?;
     let plan = plan(job)?;
-    // What the merge would find out when all is rendered.
+    // What the merge would find out when all is rendered. Results may lie in the folder, which is there for that.
     read.extend(plan.films.iter().cloned());
-    output::check_all(&job.results, &read)?;
+    if let Err(refused) = output::check_all(&job.results, &read) {
+        if is_new {
+            let _ = std::fs::remove_dir(&job.folder);
+        }
+        return Err(refused);
+    }
     if plan.parts.is_empty() {
         console::print(&format!(
             "no samples are missing; the picture is made by: {}",

@@ -300,8 +300,8 @@ pub(super) fn render(
     checkpoint::tell_refined(&mut settings_written, refined);
     interrupt::writes_results();
     let Done {
-        mut film,
-        mut paths,
+        film,
+        paths,
         stats,
         ended,
         is_preview,
@@ -310,16 +310,13 @@ pub(super) fn render(
     // A frame that was interrupted isn't written, not even its film: what there is of it is here.
     let is_dropped = job.motion.is_sequence() && matches!(ended, Some(Ended::Interrupted));
     let is_written = is_film_wanted && !is_dropped;
-    let mut kept = None;
-    if let Some(between) = exposure.between.take().filter(|_| writer.is_some()) {
-        let at = adaptive::paths(&between, &session);
-        match is_written {
-            true => (film, paths) = (between, at),
-            false => kept = Some((between, at)),
-        }
-    }
+    let between = exposure.between.take().filter(|_| writer.is_some());
+    let mut kept = between.map(|film| {
+        let paths = adaptive::paths(&film, &session);
+        (film, paths)
+    });
     if let (Some(writer), false) = (&mut writer, is_written || is_preview) {
-        let (film, paths) = kept.unwrap_or_else(|| (film.clone(), paths));
+        let (film, paths) = kept.take().unwrap_or_else(|| (film.clone(), paths));
         writer.write(film, paths);
         writer.finish();
     }
@@ -338,6 +335,7 @@ pub(super) fn render(
         samples: job.first_sample..job.first_sample + most,
         names,
         paths: Some(paths),
+        kept,
         ended,
         is_preview: is_preview && most > 0,
         device: name,

@@ -269,6 +269,7 @@ pub(super) fn render(
         samples: job.first_sample..job.first_sample + most,
         names,
         paths: None,
+        kept: None,
         ended: found.ended,
         is_preview: false,
         facts: DeviceFacts::new(gpu.description()),

@@ -109,6 +109,7 @@ pub(super) fn render(
         samples: outcome.samples,
         names: job.layers.names(&plan.scene),
         paths: None,
+        kept: None,
         ended,
         is_preview: false,
         facts,
@@ -257,13 +258,14 @@ fn follow(
         if interrupt::requested() {
             return Some(Ended::Interrupted);
         }
-        // All of a picture has a sample before its time may be over, unless it waits for what goes ahead of it.
-        if samples < 1.0 && job.method == Method::Path {
-            continue;
-        }
         let noise = |look: &Look| Ok::<_, Infallible>(fleet.look(|film| look.at(film)));
         let Ok(limit) = watch.reached(samples, noise);
-        if let Some(limit) = limit {
+        // All of a picture has a sample before its time may be over, once it is begun: caches of light may take longer than that.
+        let may_end = || {
+            let waits = samples == 0.0 && !matches!(job.method, Method::Path | Method::Photons);
+            waits || fleet.has_all_pixels()
+        };
+        if let Some(limit) = limit.filter(|_| may_end()) {
             return Some(Ended::Enough(limit));
         }
     }

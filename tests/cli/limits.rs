@@ -64,10 +64,17 @@ fn time_leaves_no_pixel_without_a_sample() {
     }
     let bench = sky();
     let scene = "render triangle.gltf --look sky.look.toml --size 1024x1024";
-    let line = format!("{scene} --spp 64 --time 0.000001s -o a.png");
-    let said = bench.run(&line).expect_code(0).stdout;
-    assert!(said.contains("ended by --time"), "{said}");
-    assert!(!said.contains("after 0 samples"), "{said}");
+    for flags in [
+        "",
+        "--method photons",
+        "--device native:1,native:1",
+        "--device native:1,native:1 --method photons",
+    ] {
+        let line = format!("{scene} --spp 64 --time 0.000001s {flags} -o a.png");
+        let said = bench.run(&line).expect_code(0).stdout;
+        assert!(said.contains("ended by --time"), "{flags}: {said}");
+        assert!(!said.contains("after 0 samples"), "{flags}: {said}");
+    }
     // A round of all pixels takes too long to be waited for.
     let line = format!("{scene} --spp 256 --adaptive --time 0.000001s -o b.png");
     let warned = bench.run(&line).expect_code(0).stderr;

@@ -175,6 +175,12 @@ fn without_structures(message: &str) -> String {
 
 /// Types as WGSL writes them, where naga shows its own structures.
 fn type_names(mut message: String) -> String {
+    for (name, words) in [
+        ("Float", "a number with a fraction"),
+        ("Int", "a whole number"),
+    ] {
+        message = message.replace(&format!("`{{Abstract{name}}}`"), words);
+    }
     if !message.contains("Scalar {") {
         return message;
     }
@@ -209,7 +215,18 @@ pub(crate) fn remedies(
     let mut notes = Vec::new();
     notes.extend(conversion(message, labels, outline.text));
     let place = labels.first().map_or(0..0, |(span, _)| span.clone());
+    if message.contains("`{AbstractFloat}`") {
+        let note = "numbers with a fraction, as `2.0`, are `f32`: convert what meets them by `f32(...)`, or them by `i32(...)`";
+        notes.push(note.into());
+    }
     let message = message.to_lowercase();
+    if message.starts_with("expected variable access")
+        && let Some(word) = outline.text.get(place.clone())
+    {
+        notes.push(format!(
+            "`{word}` is a function or a type, no value: write `{word}(...)`"
+        ));
+    }
     let unknown = message.contains("no definition in scope") || message.contains("unknown type");
     if let Some(word) = outline.text.get(place.clone()).filter(|_| unknown) {
         if let Some(note) = instead_of(word) {

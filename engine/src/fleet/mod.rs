@@ -223,6 +223,14 @@ impl Fleet {
         self.shared.with_film(look)
     }
 
+    /// Whether every pixel has a sample.
+    pub fn has_all_pixels(&self) -> bool {
+        let (width, height) = (self.empty.width, self.empty.height);
+        let state = self.shared.lock();
+        let first = frame::paths_per_sample(width, height).min(state.queue.end());
+        state.done_below(first) >= first
+    }
+
     /// Whether a device has begun to render, or none ever will.
     pub fn is_ready(&self) -> bool {
         let state = self.shared.lock();

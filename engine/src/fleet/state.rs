@@ -70,15 +70,17 @@ impl Member {
         }
     }
 
-    /// Paths that it has rendered and that aren't lost.
-    pub(super) fn paths(&self) -> u64 {
-        let held = self.held.as_ref().map_or(0, |held| self.at - held.start);
-        held + length(&self.gathered) + length(&self.collected)
+    /// What it has rendered and isn't lost.
+    fn rendered(&self) -> impl Iterator<Item = Range<u64>> {
+        let held = self.held.iter().map(|held| held.start..self.at);
+        let others = self.gathered.iter().chain(&self.collected);
+        held.chain(others.cloned())
     }
-}
 
-fn length(ranges: &[Range<u64>]) -> u64 {
-    ranges.iter().map(|range| range.end - range.start).sum()
+    /// So many paths.
+    pub(super) fn paths(&self) -> u64 {
+        self.rendered().map(|range| range.end - range.start).sum()
+    }
 }
 
 /// All of it, behind one lock.
@@ -97,6 +99,14 @@ impl State {
     /// Paths that are rendered.
     pub(super) fn done(&self) -> u64 {
         self.members.iter().map(Member::paths).sum()
+    }
+
+    /// Of the first paths, up to this one, those that are rendered.
+    pub(super) fn done_below(&self, end: u64) -> u64 {
+        let rendered = self.members.iter().flat_map(Member::rendered);
+        rendered
+            .map(|range| range.end.min(end).saturating_sub(range.start))
+            .sum()
     }
 
     /// Nothing is free, and nobody has anything that he could lose.

@@ -29,7 +29,8 @@ struct Params {
     sheen_roughness: f32,
     coat: f32,
     coat_roughness: f32,
-    spare: [f32; 2],
+    iridescence: f32,
+    iridescent_f0: f32,
     wo: [f32; 3],
     seed: u32,
 }
@@ -41,7 +42,7 @@ struct Params {
     roughness: f32, anisotropy: f32, transmission: f32, eta: f32,
     back_color: vec3f, back: f32,
     sheen_color: vec3f, sheen_roughness: f32,
-    coat: f32, coat_roughness: f32, spare0: f32, spare1: f32,
+    coat: f32, coat_roughness: f32, iridescence: f32, iridescent_f0: f32,
     wo: vec3f, seed: u32,
 }
 @group(0) @binding(0) var<uniform> params: Params;
@@ -59,6 +60,8 @@ fn material() -> Bsdf {
     b.sheen_roughness = params.sheen_roughness;
     b.coat = params.coat;
     b.coat_alpha = max(params.coat_roughness * params.coat_roughness, MIN_ALPHA);
+    b.iridescence = params.iridescence;
+    b.iridescent_f0 = vec3f(params.iridescent_f0);
     return b;
 }
 
@@ -194,6 +197,16 @@ fn glass(eta: f32, plain: Params) -> Params {
         eta,
         f0: [((eta - 1.0) / (eta + 1.0)).powi(2); 3],
         ..plain
+    }
+}
+
+/// The skin of a body that scatters all light, half of what meets it to its other side.
+fn body(eta: f32, plain: Params) -> Params {
+    Params {
+        transmission: 0.0,
+        back: 0.5,
+        back_color: [1.0; 3],
+        ..glass(eta, plain)
     }
 }
 
@@ -480,12 +493,87 @@ fn white_surfaces_keep_all_light() {
                         ..glass(1.3, plain)
                     },
                 ),
+                ("milk", body(1.5, plain)),
+                ("milk from inside", body(1.0 / 1.5, plain)),
+                (
+                    "milk in glass from inside",
+                    Params {
+                        transmission: 0.5,
+                        ..body(1.0 / 1.3, plain)
+                    },
+                ),
+                (
+                    "half a metal",
+                    Params {
+                        metallic: 0.5,
+                        ..plain
+                    },
+                ),
+                (
+                    "soap",
+                    Params {
+                        iridescence: 1.0,
+                        iridescent_f0: 0.4,
+                        ..plain
+                    },
+                ),
+                (
+                    "thin soap",
+                    Params {
+                        iridescence: 1.0,
+                        iridescent_f0: 0.4,
+                        transmission: 1.0,
+                        ..plain
+                    },
+                ),
+                (
+                    "varnish",
+                    Params {
+                        coat: 1.0,
+                        coat_roughness: roughness,
+                        ..plain
+                    },
+                ),
             ] {
                 let albedo = albedo_of(&harness, &params);
                 if (albedo - Vec3::ONE).abs().max_element() >= 0.01 {
                     wrong.push(format!(
                         "{name}, roughness {roughness}, cosine {cosine}: {albedo}"
                     ));
+                }
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// The albedo of what is stretched is that of isotropic surfaces which look like it from there: nearly.
+#[test]
+fn stretched_surfaces_keep_nearly_all_light() {
+    let Some(harness) = Harness::open(true) else {
+        return;
+    };
+    let mut wrong = Vec::new();
+    for (roughness, anisotropy) in [(0.1, 0.5), (0.1, 1.0), (0.5, 1.0), (0.7, 0.5)] {
+        for cosine in [1.0_f32, 0.7, 0.4, 0.15] {
+            for turn in [0.0_f32, 0.8, 1.57] {
+                let sine = (1.0 - cosine * cosine).sqrt();
+                let plain = Params {
+                    anisotropy,
+                    wo: [sine * turn.cos(), sine * turn.sin(), cosine],
+                    ..plain(roughness, cosine)
+                };
+                let metal = Params {
+                    metallic: 1.0,
+                    ..plain
+                };
+                for (name, params) in [("dielectric", plain), ("metal", metal)] {
+                    let albedo = albedo_of(&harness, &params);
+                    if (albedo - Vec3::ONE).abs().max_element() >= 0.1 {
+                        wrong.push(format!(
+                            "{name}, roughness {roughness}, anisotropy {anisotropy}, cosine {cosine}, turn {turn}: {albedo}"
+                        ));
+                    }
                 }
             }
         }

@@ -149,6 +149,38 @@ const SHOT: Shot = Shot {
     spp: 256,
 };
 
+/// A ray that passes one surface tosses another coin at the next one.
+#[test]
+fn blends_behind_each_other_are_chosen_apart() {
+    let Some(device) = device::open() else { return };
+    let shot = Shot {
+        size: (32, 32),
+        max_depth: 2,
+        spp: 2048,
+    };
+    for count in [1, 3] {
+        let card = |i: i32| {
+            let corner = Vec3::new(-1.0, 0.1 * i as f32, 1.0);
+            let mesh = quad(corner, Vec3::X * 2.0, Vec3::NEG_Z * 2.0);
+            (mesh, lambert(Vec3::ZERO))
+        };
+        let mut scene = scene((0..count).map(card), Vec3::ONE);
+        scene.materials.push(Material {
+            name: "hole".to_owned(),
+            ..lambert(Vec3::ZERO)
+        });
+        let mut look = "[node.none]\ntexture='value'\nvalue=0.0\n[node.half]\ntexture='value'\nvalue=0.5\n[material.hole]\nopacity='none'\n".to_owned();
+        for i in 0..count {
+            look += &format!(
+                "[material.'material {i}']\nblend={{ base='material {i}', over='hole', mask='half' }}\n"
+            );
+        }
+        let film = view(&device, &mut scene, &look, &from_above(2.0, 0.5), shot);
+        let expected = Vec3::splat(0.5_f32.powi(count));
+        assert_shows(&format!("{count} cards"), &film, |_| expected);
+    }
+}
+
 #[test]
 fn every_input_can_be_driven() {
     let Some(device) = device::open() else { return };

@@ -28,6 +28,12 @@ const DIRECT: Shot = Shot {
     spp: 256,
 };
 
+/// All there is of what bodies reflect within themselves.
+const DEEP: Shot = Shot {
+    max_depth: 64,
+    ..DIRECT
+};
+
 #[track_caller]
 fn assert_uniform(name: &str, film: &Film, radiance: Vec3) {
     let exact = Estimate::exact((film.width, film.height), |_| radiance);
@@ -93,6 +99,79 @@ fn under_glass(pane: Material, environment: Vec3) -> (Scene, Camera) {
         environment,
     );
     (scene, from_above(0.5, 0.9))
+}
+
+/// Both sides of a wide plate between these heights.
+fn plate(bottom: f32, top: f32) -> Mesh {
+    let mut plate = floor(9.0);
+    let mut below = plate.clone();
+    for p in &mut plate.positions {
+        p.y = top;
+    }
+    for p in &mut below.positions {
+        p.y = bottom;
+    }
+    plate.positions.append(&mut below.positions);
+    plate.normals.extend([Vec3::NEG_Y; 4]);
+    plate.uv0.append(&mut below.uv0);
+    plate.triangles.extend([[6, 5, 4], [7, 6, 4]]);
+    let materials = plate.triangle_materials.clone();
+    plate.triangle_materials.extend(materials);
+    plate
+}
+
+#[track_caller]
+fn assert_white(name: &str, film: &Film) {
+    let mean = film.mean().into_iter().map(Vec3::from).sum::<Vec3>() / film.pixels() as f32;
+    assert!(
+        (mean - Vec3::ONE).abs().max_element() < 0.01,
+        "{name}: {mean}"
+    );
+}
+
+#[test]
+fn rough_borders_between_equals_turn_nothing_aside() {
+    let Some(device) = device::open() else { return };
+    for roughness in [0.0, 0.3, 1.0] {
+        let air = Material {
+            roughness,
+            ..body(1.0)
+        };
+        let objects = [(floor(1.0), lamp(Vec3::ONE)), (plate(0.5, 1.0), air)];
+        let mut scene = scene(objects, Vec3::ZERO);
+        let film = render(&device, &mut scene, &from_above(2.0, 0.5), DEEP);
+        assert_white(&format!("roughness {roughness}"), &film);
+    }
+}
+
+#[test]
+fn thin_panes_are_panes_far_from_the_origin() {
+    let Some(device) = device::open() else { return };
+    for height in [0.0, 300.0] {
+        let mut scene = scene([(plate(0.0, 0.004), body(1.5))], Vec3::ONE);
+        scene.instances[0].transform = Affine3A::from_translation(Vec3::Y * height);
+        let film = render(&device, &mut scene, &from_above(height + 2.0, 0.5), DEEP);
+        assert_white(&format!("{height} m up"), &film);
+    }
+}
+
+#[test]
+fn milk_in_glass_keeps_all_light() {
+    let Some(device) = device::open() else { return };
+    for (transmission, roughness) in [(0.0, 0.1), (0.0, 0.8), (0.5, 0.0), (0.5, 0.5)] {
+        let milk = Material {
+            transmission,
+            roughness,
+            diffuse_transmission: 0.5,
+            ..body(1.5)
+        };
+        let mut scene = scene([(plate(0.0, 0.05), milk)], Vec3::ONE);
+        let film = render(&device, &mut scene, &from_above(2.0, 0.5), DEEP);
+        assert_white(
+            &format!("{transmission} clear, roughness {roughness}"),
+            &film,
+        );
+    }
 }
 
 const TINT: Vec3 = Vec3::new(0.9, 0.5, 0.2);

@@ -42,8 +42,7 @@ pub(super) fn in_plain_words(message: &str) -> Option<(String, Option<String>)> 
     }
     if is_of_mixture(message) {
         let text = "a number meets something here that it doesn't go with";
-        let remedy =
-            "convert one of them: a number with a fraction, as `2.0`, goes with `f32` only";
+        let remedy = "convert one of them, as by `f32(...)`: `2.0` goes with `f32` only, `2` with all numbers";
         return Some((text.to_owned(), Some(remedy.to_owned())));
     }
     let operator = refused_operator(message)?;

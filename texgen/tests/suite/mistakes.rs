@@ -465,6 +465,16 @@ fn integers_beside_numbers_with_fractions_are_converted() {
         !report.contains("Abstract") && !report.contains("scalar"),
         "{report}"
     );
+    for statement in ["var x = i; x *= 2.0;", "let v: i32 = 2.5;"] {
+        let text = format!("fn userProc(i: i32) -> f32 {{ {statement} return 1.0; }}");
+        let report = errors(&text);
+        assert!(!report.contains("Abstract"), "{report}");
+        assert!(report.contains("a number with a fraction"), "{report}");
+        assert!(report.contains("by `f32(...)`"), "{report}");
+    }
+    let text = "fn twice(x: f32) -> f32 { return 2.0 * x; }\nfn userProc() -> f32 { let a = twice; return 1.0; }";
+    let report = errors(text);
+    assert!(report.contains("write `twice(...)`"), "{report}");
 }
 
 #[test]

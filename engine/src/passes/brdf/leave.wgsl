@@ -36,11 +36,11 @@ fn favouring_reflection(b: Bsdf, l: Lobes) -> Lobes {
     return changed;
 }
 
-// Share of light from all sides that the reflection sends towards a viewer at this cosine.
-fn rough_albedo(b: Bsdf, l: Lobes, cosine: f32) -> vec3f {
-    let table = albedo_lookup(cosine, sqrt(mean_alpha(b)));
-    let dielectric = b.specular * (b.dielectric_f0 * table.x + table.y);
-    return l.gloss * mix(dielectric, b.base_color * table.x + table.y, b.metallic);
+// Share of light from all sides that the reflection sends towards the viewer.
+fn rough_albedo(b: Bsdf, l: Lobes) -> vec3f {
+    let dielectric = b.specular * (b.dielectric_f0 * l.table.x + l.table.y);
+    let gloss = mix(l.gloss, vec3f(l.through), b.transmission);
+    return mix(gloss * dielectric, l.metal_gloss * (b.base_color * l.table.x + l.table.y), b.metallic);
 }
 
 // Leaves how the vertex scatters: diffusely, if that is the same from wherever the light comes, not below a sheen, nor where it
@@ -59,7 +59,7 @@ fn leave_scattering(p: Path, v: Vertex, m: MaterialSample, l: Lobes, origins: Ra
     var scattered = body;
     let has_rough = counts_as_diffuse(m.bsdf, l);
     if (has_rough) {
-        scattered += rough_albedo(m.bsdf, l, dot(v.surface.wo, m.frame.normal)) / PI;
+        scattered += rough_albedo(m.bsdf, l) / PI;
     }
     if (splits_light && v.depth == 0u) {
         let words = shares_words(body / max(scattered, vec3f(1e-37)), true, 0u);

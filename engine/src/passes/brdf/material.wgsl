@@ -96,6 +96,10 @@ fn material_at(v: Vertex, throughput: vec3f, base_color: vec3f, normal: vec3f, t
         let local = to_local(ShadingFrame(tangent, cross(normal, tangent), normal), coat_normal);
         add_layers(&b, v.slot, v.driven, v.material, roughness, border.eta, v.is_inside, dot(normal, v.surface.wo), local,
             layers);
+        if (border.matched == 0.0 && metallic <= 0.0) {
+            // However rough it is, a border between equals turns nothing aside.
+            b.alpha = vec2f(MIN_ALPHA);
+        }
     }
     return MaterialSample(b, ShadingFrame(tangent, cross(normal, tangent), normal), border.throughput);
 }

@@ -12,7 +12,7 @@ fn diffuse_share(b: Bsdf, l: Lobes, wo: vec3f, wi: vec3f, value: vec3f) -> vec3f
     var f = vec3f(0.0);
     if (wi.z > 0.0) {
         if (l.diffuse_p > 0.0) {
-            f = diffuse_above(b, l, dielectric_fresnel(b, dot(wo, normalize(wo + wi))));
+            f = diffuse_above(b, l, skin_fresnel(b, dot(wo, normalize(wo + wi))));
         }
         if (has_layers && l.sheen_p > 0.0) {
             f = f * below_sheen(b, l, wi) + sheen_above(b, wo, wi);

@@ -203,8 +203,10 @@ fn run_textures(entry: u32, slot: u32) {
     // What chooses the sides of blends, for those that have one.
     var choice = 0.0;
     if ((flags & HEAD_IS_BLEND) != 0u) {
-        if (is_shadow) {
-            choice = random_at(path, vertex_dimension(depth, DIMENSION_SHADOW_BLEND), triangle_number(surface.triangle),
+        // The well-spread number is the first surface's that a ray meets: those behind what it passes have one of their own each.
+        if (is_shadow || hit.t_min > 0.0) {
+            let dimension = select(DIMENSION_BLEND, DIMENSION_SHADOW_BLEND, is_shadow);
+            choice = random_at(path, vertex_dimension(depth, dimension), triangle_number(surface.triangle),
                 instances[hit.instance].source);
         } else {
             choice = random2(path, vertex_dimension(depth, DIMENSION_BLEND)).x;

@@ -63,9 +63,14 @@ fn anisotropic_alpha(roughness: f32, strength: f32) -> vec2f {
 struct Lobes {
     cover: f32, // share of light that the coat reflects
     sheen: f32, // albedo of the sheen towards the viewer
-    gloss: vec3f, // factor on the reflection for what multiple scattering gives back
-    through: f32, // the same for the transmission
+    // Factors for what multiple scattering gives back: on the reflection of the dielectric's skin, on that of the metal, of the coat, and
+    // on what transparent bodies reflect and let through.
+    gloss: vec3f,
+    metal_gloss: vec3f,
+    coat_gloss: f32,
+    through: f32,
     body: vec3f, // factor on the light below the dielectric's reflection
+    table: vec2f, // what single scattering reflects, of F0 and beside it
     coat_p: f32,
     sheen_p: f32,
     specular_p: f32,
@@ -78,7 +83,52 @@ fn mean_alpha(b: Bsdf) -> f32 {
     return sqrt(b.alpha.x * b.alpha.y);
 }
 
-// The reflection of the dielectric's surface at an angle to a microfacet; `cosine` is on wo's side.
+// Whether the widths differ.
+fn is_stretched(b: Bsdf) -> bool {
+    return has_layers && b.alpha.x != b.alpha.y;
+}
+
+// How far apart the widths are: 0 to 1.
+fn stretch2(b: Bsdf) -> f32 {
+    let apart = (b.alpha.x - b.alpha.y) / (b.alpha.x + b.alpha.y);
+    return apart * apart;
+}
+
+// At which cosine and roughness isotropic surfaces lose as much light between their microfacets. Of widths that differ it is about their
+// root mean square, from where a surface is stretched in the viewer's plane as this one is: within 0.03 by integration, 0.09 at
+// grazing angles.
+fn table_place(b: Bsdf, wo: vec3f) -> vec2f {
+    if (!is_stretched(b)) {
+        return vec2f(wo.z, sqrt(mean_alpha(b)));
+    }
+    let squares = b.alpha * b.alpha;
+    let mean = 0.5 * (squares.x + squares.y);
+    let tangent2 = dot(wo.xy * wo.xy, squares) / (mean * wo.z * wo.z);
+    let alpha = sqrt(mean) * (1.0 - 0.1 * stretch2(b) * sqrt(mean));
+    return vec2f(inverseSqrt(1.0 + tangent2), sqrt(alpha));
+}
+
+// What single scattering reflects, of F0 and beside it; `place` is `table_place(b, wo)`.
+fn single_scattering(b: Bsdf, wo: vec3f, place: vec2f) -> vec2f {
+    let table = albedo_lookup(place.x, place.y).xy;
+    if (!is_stretched(b)) {
+        return table;
+    }
+    // Of Fresnel's reflection the angle counts, and how wide the normals are spread in its plane.
+    let sine2 = max(1.0 - wo.z * wo.z, 1e-6);
+    let alpha = sqrt(dot(wo.xy * wo.xy, b.alpha * b.alpha) / sine2);
+    let seen = albedo_lookup(wo.z, sqrt(alpha)).xy;
+    let single = min((table.x + table.y) * (1.0 + 0.015 * stretch2(b)), 1.0); // rather too dark than too bright
+    return seen * (single / max(seen.x + seen.y, 1e-3));
+}
+
+// The reflection of the dielectric's skin over a body that scatters, at an angle to a microfacet: the same from both sides.
+fn skin_fresnel(b: Bsdf, cosine: f32) -> vec3f {
+    let f0 = b.specular * b.dielectric_f0;
+    return with_film(b, min(f0 + (b.specular - f0) * schlick_weight(cosine), vec3f(1.0)));
+}
+
+// That of what is transparent; `cosine` is on wo's side.
 fn dielectric_fresnel(b: Bsdf, cosine: f32) -> vec3f {
     var outside = cosine;
     if (has_transmission && b.eta < 1.0 && b.eta > 0.0) {
@@ -89,8 +139,7 @@ fn dielectric_fresnel(b: Bsdf, cosine: f32) -> vec3f {
         }
         outside = sqrt(1.0 - sine2);
     }
-    let plain = min(b.specular * b.dielectric_f0 + (b.specular - b.specular * b.dielectric_f0) * schlick_weight(outside), vec3f(1.0));
-    return with_film(b, plain);
+    return skin_fresnel(b, outside);
 }
 
 // A reflection under the thin film.
@@ -99,6 +148,14 @@ fn with_film(b: Bsdf, fresnel: vec3f) -> vec3f {
         return mix(fresnel, b.iridescent_f0, b.iridescence);
     }
     return fresnel;
+}
+
+// What a dielectric with this Fresnel reflection reflects on the whole, by single scattering; the film's doesn't depend on the angle.
+fn with_film_over(b: Bsdf, reflected: vec3f, table: vec2f) -> vec3f {
+    if (has_layers && b.iridescence > 0.0) {
+        return mix(reflected, b.iridescent_f0 * (table.x + table.y), b.iridescence);
+    }
+    return reflected;
 }
 
 fn metal_fresnel(b: Bsdf, cosine: f32) -> vec3f {
@@ -117,60 +174,60 @@ fn lobes(b: Bsdf, wo: vec3f) -> Lobes {
     var l: Lobes;
     l.cover = coat_fresnel(b, wo);
     l.gloss = vec3f(1.0);
+    l.metal_gloss = vec3f(1.0);
+    l.coat_gloss = 1.0;
     l.through = 1.0;
     l.body = vec3f(1.0);
-    let roughness = sqrt(mean_alpha(b));
-    var table = vec2f(0.0);
+    let place = table_place(b, wo);
     if (energy_compensation) {
-        table = albedo_lookup(wo.z, roughness).xy;
-        let single = max(table.x + table.y, 1e-3);
+        l.table = single_scattering(b, wo, place);
+        let single = max(l.table.x + l.table.y, 1e-3);
         let lost = (1.0 - single) / single;
-        var f0 = b.specular * b.dielectric_f0;
-        if (has_transmission && (b.eta == 1.0 || b.eta == 0.0)) {
+        l.gloss = vec3f(1.0) + with_film(b, b.specular * b.dielectric_f0) * lost;
+        l.metal_gloss = vec3f(1.0) + with_film(b, b.base_color) * lost;
+        if (has_transmission) {
             // What a thin transparent wall doesn't reflect isn't absorbed: it meets the next microfacet.
-            f0 = mix(f0, vec3f(1.0), b.transmission);
             l.through = 1.0 + lost;
+            if (b.transmission > 0.0 && b.eta > 0.0 && b.eta != 1.0) {
+                // The same at the surface of a body, where what single scattering leaves depends on the index too.
+                l.through = 1.0 / max(glass_albedo(place.x, place.y, b.eta), 0.1);
+            }
         }
-        l.gloss = vec3f(1.0) + with_film(b, mix(f0, b.base_color, b.metallic)) * lost;
-        if (has_transmission && b.transmission > 0.0 && b.eta > 0.0 && b.eta != 1.0) {
-            // The same at the surface of a body, where what single scattering leaves depends on the index too.
-            l.through = 1.0 / max(glass_albedo(wo.z, roughness, b.eta), 0.1);
-            l.gloss = mix(l.gloss, vec3f(l.through), b.transmission * (1.0 - b.metallic));
+        if (has_layers && l.cover > 0.0) {
+            let coat = albedo_lookup(abs(dot(wo, b.coat_normal)), sqrt(b.coat_alpha));
+            l.coat_gloss = 1.0 / max(coat.x + coat.y, 1e-3);
         }
         // Below the reflection remains what isn't reflected, whatever the angle at a microfacet.
-        let f = b.specular * (b.dielectric_f0 * table.x + table.y);
-        let film = with_film(b, f);
-        l.body = vec3f(1.0) - min(film * (vec3f(1.0) + with_film(b, b.specular * b.dielectric_f0) * lost), vec3f(1.0));
-        if (has_transmission && b.eta < 1.0 && b.eta > 0.0) {
-            // The table knows no critical angle, towards which more is reflected from the inside.
-            l.body = min(l.body, vec3f(1.0) - dielectric_fresnel(b, wo.z));
-        }
+        let reflected = with_film_over(b, b.specular * (b.dielectric_f0 * l.table.x + l.table.y), l.table);
+        l.body = vec3f(1.0) - min(reflected * l.gloss, vec3f(1.0));
     }
     if (!energy_compensation) {
-        table = rough_albedo_estimate(wo.z, roughness);
+        l.table = rough_albedo_estimate(wo.z, sqrt(mean_alpha(b)));
     }
     if (has_layers && max_component(b.sheen_color) > 0.0) {
         l.sheen = albedo_lookup(wo.z, b.sheen_roughness).z;
     }
 
     // Of the reflection as a whole. Where light goes through, smooth surfaces are what matters, and the angle alone counts.
-    var dielectric = with_film(b, b.specular * (b.dielectric_f0 * table.x + table.y));
+    let skin = with_film_over(b, b.specular * (b.dielectric_f0 * l.table.x + l.table.y), l.table);
+    var glass = skin;
     if (has_transmission && b.transmission > 0.0) {
-        dielectric = dielectric_fresnel(b, wo.z);
+        glass = dielectric_fresnel(b, wo.z);
     }
-    let metal = with_film(b, b.base_color * table.x + table.y);
+    let dielectric = mix(skin, glass, b.transmission);
+    let metal = with_film_over(b, b.base_color * l.table.x + l.table.y, l.table);
     let below = below_layers(b, l);
-    let inside = below * (1.0 - b.metallic) * (1.0 - max_component(dielectric));
+    let inside = below * (1.0 - b.metallic);
     l.coat_p = l.cover;
     l.sheen_p = (1.0 - l.cover) * max_component(b.sheen_color) * l.sheen;
     l.specular_p = below * max_component(mix(dielectric, metal, b.metallic));
-    let diffuse = inside * (1.0 - b.transmission);
+    let diffuse = inside * (1.0 - max_component(skin)) * (1.0 - b.transmission);
     l.diffuse_p = diffuse * (1.0 - b.diffuse_transmission) * max_component(b.base_color);
     l.back_p = diffuse * b.diffuse_transmission * max_component(b.diffuse_transmission_color);
     if (b.eta > 0.0) {
         // Where the surface as a whole reflects all, rough as it is, some of its microfacets let light out.
-        let least = select(0.0, 0.5 * roughness, b.eta < 1.0);
-        let passing = below * (1.0 - b.metallic) * max(1.0 - max_component(dielectric), least);
+        let least = select(0.0, 0.5 * place.y, b.eta < 1.0);
+        let passing = inside * max(1.0 - max_component(glass), least);
         l.through_p = passing * b.transmission * max_component(b.base_color);
     }
     let sum = l.coat_p + l.sheen_p + l.specular_p + l.diffuse_p + l.back_p + l.through_p;
@@ -226,16 +283,16 @@ fn bsdf_eval(b: Bsdf, l: Lobes, wo: vec3f, wi: vec3f) -> vec4f {
 fn eval_above(b: Bsdf, l: Lobes, wo: vec3f, wi: vec3f) -> vec4f {
     let h = normalize(wo + wi);
     let cosine = dot(wo, h);
-    let dielectric = dielectric_fresnel(b, cosine);
+    let skin = skin_fresnel(b, cosine);
     var f = vec3f(0.0);
     var pdf = 0.0;
     if (l.specular_p > 0.0) {
-        let fresnel = mix(dielectric, metal_fresnel(b, cosine), b.metallic);
-        f += fresnel * l.gloss * ggx_reflection(wo, wi, h, b.alpha);
+        let reflected = mix(dielectric_reflection(b, l, skin, cosine), metal_fresnel(b, cosine) * l.metal_gloss, b.metallic);
+        f += reflected * ggx_reflection(wo, wi, h, b.alpha);
         pdf += l.specular_p * ggx_reflection_pdf(wo, h, b.alpha);
     }
     if (l.diffuse_p > 0.0) {
-        f += diffuse_above(b, l, dielectric);
+        f += diffuse_above(b, l, skin);
         pdf += l.diffuse_p * wi.z / PI;
     }
     if (has_layers && l.sheen_p > 0.0) {
@@ -249,16 +306,25 @@ fn eval_above(b: Bsdf, l: Lobes, wo: vec3f, wi: vec3f) -> vec4f {
         if (o.z > 0.0 && i.z > 0.0) {
             let n = normalize(o + i);
             let alpha = vec2f(b.coat_alpha);
-            f += l.cover * ggx_reflection(o, i, n, alpha) * i.z;
+            f += l.cover * l.coat_gloss * ggx_reflection(o, i, n, alpha) * i.z;
             pdf += l.coat_p * ggx_reflection_pdf(o, n, alpha);
         }
     }
     return vec4f(f, pdf);
 }
 
+// What the dielectric reflects at a microfacet, multiple scattering included: of its share that is transparent as glass does.
+fn dielectric_reflection(b: Bsdf, l: Lobes, skin: vec3f, cosine: f32) -> vec3f {
+    let reflected = skin * l.gloss;
+    if (!has_transmission || b.transmission <= 0.0) {
+        return reflected;
+    }
+    return mix(reflected, dielectric_fresnel(b, cosine) * l.through, b.transmission);
+}
+
 // Share of light that reaches the body below the dielectric's reflection and is not transmitted.
-fn body_share(b: Bsdf, l: Lobes, dielectric: vec3f) -> vec3f {
-    var share = vec3f(1.0 - max_component(dielectric));
+fn body_share(b: Bsdf, l: Lobes, skin: vec3f) -> vec3f {
+    var share = vec3f(1.0 - max_component(skin));
     if (energy_compensation) {
         share = vec3f(1.0 - max_component(vec3f(1.0) - l.body));
     }
@@ -266,8 +332,8 @@ fn body_share(b: Bsdf, l: Lobes, dielectric: vec3f) -> vec3f {
 }
 
 // The parts of `eval_above`, without the cosine and what the coat leaves.
-fn diffuse_above(b: Bsdf, l: Lobes, dielectric: vec3f) -> vec3f {
-    return body_share(b, l, dielectric) * (1.0 - b.diffuse_transmission) * b.base_color / PI;
+fn diffuse_above(b: Bsdf, l: Lobes, skin: vec3f) -> vec3f {
+    return body_share(b, l, skin) * (1.0 - b.diffuse_transmission) * b.base_color / PI;
 }
 
 fn sheen_above(b: Bsdf, wo: vec3f, wi: vec3f) -> vec3f {
@@ -279,10 +345,12 @@ fn below_sheen(b: Bsdf, l: Lobes, wi: vec3f) -> f32 {
     return 1.0 - max_component(b.sheen_color) * max(l.sheen, albedo_lookup(wi.z, b.sheen_roughness).z);
 }
 
-// Light that is scattered to the other side, without what coat and sheen leave of it.
+// Light that is scattered to the other side, without what coat and sheen leave of it. As all radiance, it is denser where the index is
+// higher.
 fn diffuse_below(b: Bsdf, l: Lobes, wo: vec3f, wi: vec3f) -> vec3f {
-    let share = body_share(b, l, dielectric_fresnel(b, wo.z));
-    return share * b.diffuse_transmission * b.diffuse_transmission_color * (-wi.z / PI);
+    let share = body_share(b, l, skin_fresnel(b, wo.z));
+    let eta = select(1.0, b.eta, b.eta > 0.0);
+    return share * b.diffuse_transmission * b.diffuse_transmission_color * (-wi.z / (PI * eta * eta));
 }
 
 // What coat and sheen leave of light that comes from below.
