@@ -501,8 +501,11 @@ mod tests {
                 black.add_sample_of_half(pixel, number, [0.0; 3]);
             }
         }
-        // Nothing is known of what nothing was seen of: the samples end it.
+        // Nothing is known of what nothing was seen of, until that is hundreds of samples.
         let round = next_round(&black, &goal);
         assert!(!round.is_clean && !round.lots.is_empty());
+        let same = black.clone();
+        (0..3).for_each(|_| black.add(&same));
+        assert!(next_round(&black, &goal).is_clean);
     }
 }
