@@ -14,11 +14,12 @@ struct RayHit {
 const MISS = 0xffffffffu;
 
 // The origin of a ray that leaves a surface point towards the side of `normal`, moved by a few ulps so that it
-// can't meet its own surface again (Wächter and Binder, Ray Tracing Gems, chapter 6), and by as much as it may lie beside its surface.
+// can't meet its own surface again (Wächter and Binder, Ray Tracing Gems, chapter 6), and by as much as it may lie beside its surface. Near
+// the origin it is moved by as much as two metres from it: what is far along the other axes is rounded all the same.
 fn offset_origin(p: vec3f, normal: vec3f, coarseness: f32) -> vec3f {
     let n = vec3i(normal * 64.0);
     let moved = bitcast<vec3f>(bitcast<vec3i>(p) + select(n, -n, p < vec3f(0.0)));
-    return select(moved, p + normal * (1.0 / 65536.0), abs(p) < vec3f(1.0 / 32.0)) + normal * coarseness;
+    return select(moved, p + normal * (1.0 / 65536.0), abs(p) < vec3f(2.0)) + normal * coarseness;
 }
 
 // How far rays go that nothing ends.
