@@ -65,7 +65,7 @@ pub(crate) fn in_user_terms(message: &str) -> String {
         return "nested too deeply: split it up with `let` or functions".into();
     }
     if let Some((from, to)) = refused_conversion(message) {
-        return format!("`{from}` doesn't become `{to}` by itself");
+        return type_names(format!("`{from}` doesn't become `{to}` by itself"));
     }
     let mut plain = plain_message(message);
     // One sentence style for all messages: they begin small, but for names.
