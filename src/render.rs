@@ -373,7 +373,9 @@ fn write(
         Gathered::Pieces(pieces) => pieces.write(job, &origin, view),
         Gathered::Whole(film) => {
             let kept = rendered.kept.map(|(film, paths)| {
-                Part::new(film, rendered.samples.clone(), origin.clone()).under_way(paths)
+                let first = rendered.samples.start;
+                let samples = first..first + film.sample_bounds().1;
+                Part::new(film, samples, origin.clone()).under_way(paths)
             });
             let mut part = Part::new(film, rendered.samples, origin);
             if let Some(paths) = rendered.paths {
