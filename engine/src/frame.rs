@@ -77,6 +77,7 @@ pub struct Frame {
     crop_blocks_x: u32,
     sky_cell_scale: f32,
     caches: u32,
+    camera_media: [u32; 4],
     sobol: [[u32; 4]; sobol::ROWS],
     lot: [[u32; 2]; LOT_BLOCKS],
 }
@@ -142,6 +143,7 @@ impl Frame {
             crop_blocks_x,
             sky_cell_scale,
             caches,
+            camera_media,
             sobol,
             lot
         ]
@@ -341,6 +343,7 @@ impl Frame {
             crop_whole: columns | rows << 16,
             crop_blocks_x: settings.crop.map_or(0, |_| columns.div_ceil(BLOCK)),
             sky_cell_scale: SKY_CELL_SCALE,
+            camera_media: scene.bodies.around(camera.transform.translation.into()),
             caches: match settings.method.has_records() {
                 true => CACHE_IRRADIANCE,
                 false => 0,

@@ -72,10 +72,10 @@ pub fn below(scene: &Scene, point: Vec3) -> Option<f32> {
     hits.map(|(distance, _)| distance).min_by(f32::total_cmp)
 }
 
-struct Ray {
-    origin: Vec3,
-    /// Unit length.
-    direction: Vec3,
+pub(crate) struct Ray {
+    pub(crate) origin: Vec3,
+    /// Distances are in its lengths.
+    pub(crate) direction: Vec3,
 }
 
 /// As `raygen.wgsl` without a lens.
@@ -116,7 +116,7 @@ fn nearest(scene: &Scene, mesh: &Mesh, instance: &Instance, ray: &Ray) -> Option
 
 /// Distance, weights of the corners, and whether the ray comes from where they are counter-clockwise (Möller and
 /// Trumbore, "Fast, Minimum Storage Ray/Triangle Intersection", 1997).
-fn intersect(ray: &Ray, [a, b, c]: [Vec3; 3]) -> Option<(f32, Vec3, bool)> {
+pub(crate) fn intersect(ray: &Ray, [a, b, c]: [Vec3; 3]) -> Option<(f32, Vec3, bool)> {
     let (edge1, edge2) = (b - a, c - a);
     let p = ray.direction.cross(edge2);
     let determinant = edge1.dot(p);

@@ -198,8 +198,7 @@ pub(super) fn material_flags(
 ) -> Vec<[u32; 2]> {
     let flags_of = |index: u32, m: &Material, has_colors: bool| {
         // The back of a transparent body is where rays leave it.
-        let has_back =
-            m.double_sided || m.is_solid && (materials::transmits(m) || program(index).transmits);
+        let has_back = m.double_sided || materials::is_body(m, &program(index));
         let sides = if has_back { 0 } else { TRIANGLE_SINGLE_SIDED };
         let alpha = match program(index).decides_opacity {
             true => TRIANGLE_PROGRAM_ALPHA,

@@ -137,7 +137,6 @@ impl GpuMaterial {
 
 fn flags(material: &Material, program: &ProgramTraits) -> u32 {
     let set = |is_set: bool, flag: u32| if is_set { flag } else { 0 };
-    let is_body = material.is_solid && (transmits(material) || program.transmits);
     set(material.double_sided, flag::DOUBLE_SIDED)
         | set(material.unlit, flag::UNLIT)
         | set(material.shadow_catcher, flag::SHADOW_CATCHER)
@@ -146,10 +145,15 @@ fn flags(material: &Material, program: &ProgramTraits) -> u32 {
             flag::MASK,
         )
         | set(material.alpha_mode == AlphaMode::Blend, flag::BLEND)
-        | set(is_body, flag::SOLID)
+        | set(is_body(material, program), flag::SOLID)
         | set(is_clear(material, program), flag::CLEAR)
         | set(casts_caustics(material, program), flag::CASTER)
         | program_flags(program)
+}
+
+/// Whether the surface bounds a body that light may go through.
+pub fn is_body(material: &Material, program: &ProgramTraits) -> bool {
+    material.is_solid && (transmits(material) || program.transmits)
 }
 
 /// Whether light may go through the surface.

@@ -2,6 +2,7 @@
 //! `environment.wgsl`. Made once; edits of material constants are written over it (`update.rs`), those of textures do not touch it.
 
 pub mod albedo;
+mod bodies;
 mod casters;
 pub mod environment;
 mod estimate;
@@ -32,7 +33,7 @@ use crate::{
 };
 
 use self::{
-    environment::GpuEnvironment, geometry::Geometry, host_traversal::HostTraversal,
+    bodies::Bodies, environment::GpuEnvironment, geometry::Geometry, host_traversal::HostTraversal,
     images::GpuImages, lights::LightTable, materials::GpuMaterial, update::Uploaded,
 };
 
@@ -254,6 +255,8 @@ pub struct GpuScene {
     pub image_bytes: u64,
     /// Middle and radius of spheres around all that may throw caustics, metres.
     pub(crate) casters: Vec<Vec4>,
+    /// Which transparent bodies are where.
+    pub(crate) bodies: Bodies,
     /// What later changes of materials are compared with.
     uploaded: Uploaded,
 }
@@ -385,6 +388,7 @@ impl GpuScene {
             user_image_base: images.user_base,
             image_bytes: images.bytes,
             casters: casters::targets(scene, &program),
+            bodies: Bodies::of(scene, &program),
         })
     }
 }

@@ -17,7 +17,9 @@ use crate::{
 };
 
 use super::{
-    GpuScene, GpuSceneError, MAX_MATERIALS, SceneFeatures, casters,
+    GpuScene, GpuSceneError, MAX_MATERIALS, SceneFeatures,
+    bodies::Bodies,
+    casters,
     environment::GpuEnvironment,
     geometry::{self, Geometry},
     host_traversal::{Former, HostTraversal},
@@ -107,6 +109,7 @@ impl GpuScene {
         };
         self.environment_group = scene.light_groups.of(LightSource::Environment);
         self.casters = casters::targets(scene, &program);
+        self.bodies = Bodies::of(scene, &program);
         self.uploaded.flags = flags;
         Ok(())
     }

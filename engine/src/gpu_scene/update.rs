@@ -14,7 +14,9 @@ use crate::{
 };
 
 use super::{
-    GpuScene, GpuSceneError, Shadows, casters,
+    GpuScene, GpuSceneError, Shadows,
+    bodies::Bodies,
+    casters,
     geometry::{self, Geometry},
     host_traversal::HostTraversal,
     lights::LightTable,
@@ -163,6 +165,9 @@ impl GpuScene {
         }
         self.uploaded.materials = records;
         self.casters = casters::targets(scene, &program);
+        if !self.bodies.have_bounds_of(scene, &program) {
+            self.bodies = Bodies::of(scene, &program);
+        }
         Ok(Update::Written { is_moved })
     }
 

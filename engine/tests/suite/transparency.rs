@@ -317,6 +317,41 @@ fn inside_another_body_the_one_entered_last_or_the_higher_priority_counts() {
 }
 
 #[test]
+fn a_camera_in_a_body_sees_what_is_in_there_with_it_through_the_body() {
+    let Some(device) = device::open() else { return };
+    let (water, ice) = (Vec3::new(1.0, 0.2, 0.5), Vec3::new(0.1, 2.0, 0.5));
+    let card = quad(Vec3::new(-0.2, -0.4, -0.2), Vec3::Z * 0.4, Vec3::X * 0.4);
+    // From 0.7 m above the card in water, or 0.3 m above it in ice that stands in the water.
+    for (name, height, expected) in [("water", 0.3, water * 0.7), ("ice", -0.1, ice * 0.3)] {
+        let parts = [
+            (
+                cuboid(Vec3::splat(-1.0), Vec3::splat(1.0)),
+                absorbing(1.33, water, 0),
+            ),
+            (
+                cuboid(Vec3::splat(-0.5), Vec3::new(0.5, 0.0, 0.5)),
+                absorbing(1.31, ice, 1),
+            ),
+            (card.clone(), unlit(Vec3::ONE.extend(1.0))),
+        ];
+        let has_ice = height < 0.0;
+        let parts = parts
+            .into_iter()
+            .enumerate()
+            .filter(|&(number, _)| has_ice || number != 1);
+        let mut scene = scene(parts.map(|(_, part)| part), Vec3::ZERO);
+        let view = camera(
+            Vec3::new(0.013, height, 0.017),
+            Vec3::new(0.013, -1.0, 0.017),
+            Vec3::X,
+            Projection::Perspective { y_fov: 0.02 },
+        );
+        let film = render(&device, &mut scene, &view, DIRECT);
+        assert_uniform(name, &film, (-expected).exp());
+    }
+}
+
+#[test]
 fn what_is_reflected_inside_another_body_follows_the_ratio_of_their_indices() {
     // Straight on: two borders of air and water, two of water and glass; light goes to and fro between them.
     let Some(film) = through_nested(body(1.33), body(1.5)) else {

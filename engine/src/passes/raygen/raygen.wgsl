@@ -64,7 +64,7 @@ fn start_path(slot: u32) {
     path_write(PATH_RADIANCE, slot, vec4f(0.0, 0.0, 0.0, width));
     path_write(PATH_LIGHT, slot, vec4f(0.0));
     path_set_words(PATH_STATE, slot, vec4u(0u));
-    path_set_words(PATH_MEDIA, slot, vec4u(0u));
+    path_set_words(PATH_MEDIA, slot, frame.camera_media);
     path_set_words(PATH_LIGHT_POINT, slot, vec4u(MISS, 0u, 0u, 0u));
     rays[shadow_ray(slot)].triangle = MISS;
     if (!is_rendered(pixel) || path.number >= frame.sample_limit) {

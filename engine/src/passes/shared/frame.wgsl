@@ -57,6 +57,7 @@ struct Frame {
     crop_blocks_x: u32, // blocks in a row of the whole; 0 where the film is the whole
     sky_cell_scale: f32, // side of a cell in which the sky is known over its distance to the camera, see sky_parts.wgsl
     caches: u32, // what caches of light there are, see CACHE_
+    camera_media: vec4u, // the bodies that the camera is in, see media.wgsl
     sobol: array<vec4u, 384>, // what four bits of an index add to three groups of four dimensions, see sobol.rs
     lot: array<vec4u, 2048>, // two in each: a block of the picture, and the first of the samples that it gets
 }
