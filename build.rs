@@ -4,6 +4,32 @@
 use std::path::Path;
 use std::process::Command;
 
+/// Crates that are in the program, besides this one.
+const CRATES: [&str; 11] = [
+    "bench",
+    "device",
+    "engine",
+    "kernel_ir",
+    "kernels",
+    "materialx",
+    "panels",
+    "pictures",
+    "scene",
+    "texgen",
+    "viewer",
+];
+/// What else it is made of.
+const FILES: [&str; 8] = [
+    "Cargo.lock",
+    "Cargo.toml",
+    "build.rs",
+    "engine/build.rs",
+    "kernels/build.rs",
+    "materialx/textures",
+    "src",
+    "user_textures",
+];
+
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
     println!("cargo::rustc-env=PATINA_COMMIT={}", commit());
@@ -24,20 +50,15 @@ fn commit() -> String {
         }
     }
     // What the program is made of: any change of it builds the program again anyway.
-    let sources = [
-        "Cargo.toml",
-        "Cargo.lock",
-        "src",
-        "bench/src",
-        "engine/src",
-        "scene/src",
-        "texgen/src",
-    ];
-    for source in sources {
+    let mut sources: Vec<String> = FILES.map(str::to_owned).into();
+    for folder in CRATES {
+        sources.extend(["Cargo.toml", "src"].map(|name| format!("{folder}/{name}")));
+    }
+    for source in &sources {
         println!("cargo::rerun-if-changed={source}");
     }
     let mut changes = vec!["status", "--porcelain", "--untracked-files=no", "--"];
-    changes.extend(sources);
+    changes.extend(sources.iter().map(String::as_str));
     match git(&changes) {
         Some(none) if none.is_empty() => commit,
         _ => commit + "-modified",

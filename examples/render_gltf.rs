@@ -12,7 +12,7 @@ use engine::{
 
 fn main() -> Result<(), Box<dyn Error>> {
     let args: Vec<String> = std::env::args().skip(1).collect();
-    let usage = "usage: render_gltf SCENE [WIDTH HEIGHT SPP DEPTH] [OUT.png]";
+    let usage = "usage: render_gltf SCENE [WIDTH HEIGHT SPP DEPTH [OUT.png]]";
     let inputs = Inputs {
         scene: PathBuf::from(args.first().ok_or(usage)?),
         look: None,

@@ -3,8 +3,8 @@
 //! once. Either way nothing that is half done stays behind, and the exit code says which signal it was: 128 and its number.
 
 use std::io::{self, Write};
-use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
+use std::sync::{Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 use crate::failure::Failure;
@@ -33,6 +33,9 @@ static HAS_RESULTS: AtomicBool = AtomicBool::new(false);
 /// The results are being written.
 static IS_WRITING: AtomicBool = AtomicBool::new(false);
 
+/// Wakes whoever writes the results, where he waits for something else.
+static WAKE: Mutex<Option<Box<dyn Fn() + Send>>> = Mutex::new(None);
+
 /// Starts listening.
 ///
 /// # Errors
@@ -48,6 +51,22 @@ pub(crate) fn listen() -> Result<(), Failure> {
 /// Says that there are results from now on: the first signal no longer ends the program, [`requested`] tells of it.
 pub(crate) fn has_results() {
     HAS_RESULTS.store(true, Ordering::SeqCst);
+}
+
+/// Has this called when a signal comes that [`requested`] tells of. It is called on another thread.
+pub(crate) fn wake_by(wake: impl Fn() + Send + 'static) {
+    *WAKE.lock().unwrap_or_else(PoisonError::into_inner) = Some(Box::new(wake));
+}
+
+/// Says that the results are written, and that the program is about to end by itself: after so long it does in any case.
+pub(crate) fn leave_within(patience: Duration) {
+    // Without it a second signal is needed where a window doesn't close.
+    let _ = std::thread::Builder::new().spawn(move || leave_after(patience));
+}
+
+fn leave_after(patience: Duration) {
+    std::thread::sleep(patience);
+    leave()
 }
 
 /// Says that the results are about to be written: however long that takes, it is waited for.
@@ -90,6 +109,10 @@ fn arrived(signal: i32) {
             CAME.get_or_init(Instant::now);
             // Without it a second signal is needed where a driver hangs.
             let _ = std::thread::Builder::new().spawn(end_if_stuck);
+            let wake = WAKE.lock().unwrap_or_else(PoisonError::into_inner);
+            if let Some(wake) = &*wake {
+                wake();
+            }
         }
         Ok(_) => {
             progress::clear_line();

@@ -24,8 +24,8 @@ use engine::film::{Film, Origin, Part, Tally};
 use engine::fleet::{DeviceShare, Fleet};
 use engine::procedural::Procedural;
 use engine::renderer::{RenderSettings, TextureCosts};
-use engine::scene::Camera;
 use engine::scene::view::{View, ViewChoice};
+use engine::scene::{Camera, LightKind};
 use engine::session::{Inputs, Session, SessionError};
 use engine::settings::{Beside, Method};
 use engine::stats::{DeviceFacts, Stats};
@@ -113,7 +113,7 @@ fn picture(job: &RenderJob) -> Result<(), Failure> {
     // What else was read is known only now.
     output::check_all(&written, &first.opening.files())?;
     let view = view_of(job, &first);
-    let load_seconds = clock.elapsed().as_secs_f64();
+    let told = Told::new(job, &loaded.scene, clock);
 
     bar.stage("preparing the device");
     let devices = devices::open(&job.devices, &bar)?;
@@ -129,9 +129,11 @@ fn picture(job: &RenderJob) -> Result<(), Failure> {
             start.render(job, division, &device, &view, &bar)?
         }
         Err(_) if job.checkpoints.is_some() || job.adaptive => {
-            let flag = match job.adaptive {
-                true => "--adaptive",
-                false => "--checkpoint",
+            let flag = match &job.checkpoints {
+                _ if job.adaptive => "--adaptive",
+                Some(kept) if kept.resumes => "--resume",
+                Some(kept) if kept.with_pictures => "--refresh",
+                _ => "--checkpoint",
             };
             return Err(UsageError::OneDevice { flag }.into());
         }
@@ -148,7 +150,7 @@ fn picture(job: &RenderJob) -> Result<(), Failure> {
         }
     };
     bar.finish();
-    let (outcome, rest) = write(job, rendered, &view, denoiser.as_ref(), load_seconds);
+    let (outcome, rest) = write(job, rendered, &view, denoiser.as_ref(), &told);
     end(rest);
     outcome
 }
@@ -304,14 +306,38 @@ enum Rest {
     Nothing,
 }
 
+/// What else is told of a render.
+struct Told {
+    load_seconds: f64,
+    /// Photons bring light of lamps without size that paths, which find those by light samples alone, don't.
+    is_more_than_paths_find: bool,
+}
+
+impl Told {
+    /// When all is read, since the clock was started.
+    fn new(job: &RenderJob, scene: &engine::scene::Scene, clock: Instant) -> Self {
+        let mut lights = scene.lights.iter();
+        let has_size = |kind: LightKind| matches!(kind, LightKind::Disk { .. });
+        Self {
+            load_seconds: clock.elapsed().as_secs_f64(),
+            is_more_than_paths_find: job.method.has_photons()
+                && lights.any(|light| !has_size(light.kind)),
+        }
+    }
+}
+
 /// Writes the pictures, and tells what is to be told. What has rendered is given back.
 fn write(
     job: &RenderJob,
     rendered: Rendered,
     view: &View,
     denoiser: Option<&Denoiser>,
-    load_seconds: f64,
+    told: &Told,
 ) -> (Result<(), Failure>, Rest) {
+    let &Told {
+        load_seconds,
+        is_more_than_paths_find,
+    } = told;
     let tally = match rendered.is_preview {
         true => Tally::default(),
         false => rendered.gathered.tally(),
@@ -364,7 +390,8 @@ fn write(
         console::note(&summary);
     }
     if let Some(audit) = &rendered.audit {
-        console::note(&limits::bias(audit, job.clamp.is_some()));
+        let clamped = job.clamp.is_some();
+        console::note(&limits::bias(audit, clamped, is_more_than_paths_find));
     }
     let look = job.look.as_deref();
     let mut origin = Origin::new(&rendered.device, &job.scene, look, rendered.settings);

@@ -109,6 +109,18 @@ impl Bench {
     }
 }
 
+/// Sends a signal, with the words of `kill`; whether that was possible. The one of the shell, as not every system has a program of that
+/// name.
+#[cfg(unix)]
+fn kill(words: &[&str]) -> bool {
+    let status = Command::new("sh")
+        .args(["-c", "kill \"$@\"", "sh"])
+        .args(words)
+        .stderr(Stdio::null())
+        .status();
+    status.expect("sh starts").success()
+}
+
 struct Outcome {
     line: String,
     code: Option<i32>,
@@ -498,11 +510,10 @@ fn ctrl_c_writes_what_has_been_rendered() {
             .spawn()
             .expect("patina starts");
         sleep(Duration::from_secs(seconds));
-        let kill = Command::new("kill")
-            .args(["-INT", &child.id().to_string()])
-            .status()
-            .expect("kill starts");
-        assert!(kill.success(), "the render must still be running");
+        assert!(
+            kill(&["-INT", &child.id().to_string()]),
+            "the render must still be running"
+        );
         let output = child.wait_with_output().expect("patina ends");
         let outcome = Outcome::of(output, line);
         assert_eq!(outcome.code, Some(130), "{}", outcome.stderr);

@@ -180,6 +180,27 @@ fn textures_may_come_in_a_folder_that_was_not_there() {
     assert_ne!(first, pixels(&stage.path("out.png")), "edits are seen");
 }
 
+#[test]
+fn what_could_not_be_written_is_no_picture() {
+    if device::open().is_none() {
+        return;
+    }
+    let stage = Stage::new(LOOK, &TEXTURES);
+    let watch = Watch::start(&stage);
+    watch.expect(&["0: start", "16 spp", "out.png"]);
+    // A folder is in the way.
+    std::fs::remove_file(stage.path("out.png")).expect("it is there");
+    std::fs::create_dir(stage.path("out.png")).expect("a folder");
+    stage.replace("textures/rings.wgsl", SQUARES);
+    watch.expect(&["error", "out.png"]);
+    std::fs::remove_dir(stage.path("out.png")).expect("it is empty");
+    let look = LOOK.replace("intensity = 1.0", "intensity = 0.5");
+    stage.replace("scene.look.toml", &look);
+    let before = watch.until(&["2: scene.look.toml", "16 spp", "out.png"]);
+    let is_nothing = |line: &str| line.contains(" spp after ") && line.trim_end().ends_with(':');
+    assert!(!before.lines().any(is_nothing), "{before}");
+}
+
 #[cfg(unix)]
 #[test]
 fn a_signal_ends_it_and_leaves_the_picture() {
@@ -189,10 +210,12 @@ fn a_signal_ends_it_and_leaves_the_picture() {
     let stage = Stage::new(LOOK, &TEXTURES);
     let mut watch = Watch::start(&stage);
     watch.expect(&["0: start", "1 spp", "out.png"]);
-    let kill = Command::new("kill")
-        .args(["-TERM", &watch.child.id().to_string()])
+    // The shell's own: not every system has a program of that name.
+    let kill = Command::new("sh")
+        .args(["-c", "kill \"$@\"", "sh", "-TERM"])
+        .arg(watch.child.id().to_string())
         .status();
-    assert!(kill.expect("kill starts").success());
+    assert!(kill.expect("sh starts").success());
     let status = watch.child.wait().expect("it ends");
     assert_eq!(status.code(), Some(143));
     pixels(&stage.path("out.png"));

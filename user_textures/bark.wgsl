@@ -21,7 +21,7 @@ fn userProc(position: vec4f, axis: vec3f, scale: f32, stretch: f32, ridge: vec3f
     let rough = fbm3D(q * 6.0, 4.0, 2.1, 0.6, pixel * 6.0);
     let seen = octaveSeen(0.6 * pixel);
     let plate = mix(0.51, smoothstep(0.0, 0.22, edge), seen);
-    let height = saturate(plate * (0.55 + 0.3 * layers + 0.25 * rough + 0.2 * (number - 0.5)));
+    let height = saturate(plate * (0.55 + 0.3 * layers + 0.25 * rough + 0.2 * (number - 0.5) * seen));
     let tint = 1.0 + 0.35 * (number - 0.5) * seen + 0.25 * rough;
     return vec4f(mix(furrow, ridge * tint, smoothstep(0.05, 0.75, height)), height);
 }

@@ -46,7 +46,11 @@ fn userProc(
     let joint = 1.0 - softStep(half * (1.0 - mortar_smooth), soft, border, pixel);
     // Far away both fade into what they cover.
     let seen = octaveSeen(pixel / height);
-    let share = saturate(mortar_size / height + mortar_size / width);
+    // One of so many rows has bricks of another width.
+    let unlike = 1.0 / f32(max(squash_frequency, 1u));
+    let wide = saturate(1.0 - mortar_size / max(brick_width, 1e-3));
+    let other = saturate(1.0 - mortar_size / max(brick_width * squash, 1e-3));
+    let share = 1.0 - saturate(1.0 - mortar_size / height) * mix(wide, other, unlike);
     let tint = saturate(random2to1(vec2u(vec2i(vec2f(column, row)))) + bias);
     let brick = mix(color1, color2, mix(saturate(0.5 + bias), tint, seen));
     let cover = mix(share, joint, seen) * step(1e-6, mortar_size);

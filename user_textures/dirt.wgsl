@@ -14,7 +14,10 @@ fn userProc(position: vec4f, open: f32, amount: f32, anywhere: f32, scale: f32, 
     let specks = fbm3D(p * 7.0 + 5.0, 3.0, 2.1, 0.6, pixel * 7.0);
     let crease = 1.0 - saturate(open);
     let level = crease * (1.2 + stains) + anywhere * (0.45 + 0.9 * stains + 0.35 * specks);
-    let width = mix(0.6, 0.06, saturate(contrast));
+    // What the pixel hides of both noises is in the width, by their spread.
+    let hidden = (1.0 - fractalSeen(6.0, 2.1, 0.6, pixel)) * 0.36 * (crease + 0.9 * anywhere);
+    let hidden_specks = (1.0 - fractalSeen(3.0, 2.1, 0.6, pixel * 7.0)) * 0.15 * anywhere;
+    let width = length(vec3f(mix(0.6, 0.06, saturate(contrast)), hidden, hidden_specks));
     let edge = mix(1.1, 0.05, saturate(amount));
     return smoothstep(edge - width, edge + width, level);
 }

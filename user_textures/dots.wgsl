@@ -17,5 +17,7 @@ fn userProc(texcoord: vec4f, scale: f32, radius: f32, staggered: bool, randomnes
     let d = length(p - cell - 0.5 - 2.0 * randomness * room * (r.xy - 0.5));
     let mask = 1.0 - edgeStep(size, d, pixel);
     let mean = 3.1416 * radius * radius * (1.0 - 0.5 * randomness);
-    return mix(vec3f(saturate(mean), 1.2, 0.5), vec3f(mask, d / size, r.z), octaveSeen(0.6 * pixel));
+    // From the middle of a room to anywhere in it; what isn't in the middle, or smaller, is farther on the whole.
+    let far = 0.383 * (1.0 + 0.75 * randomness) / max(radius, 1e-4);
+    return mix(vec3f(saturate(mean), far, 0.5), vec3f(mask, d / size, r.z), octaveSeen(0.6 * pixel));
 }

@@ -12,8 +12,8 @@ fn userProc(position: vec4f, size: f32, roughness: f32, coverage: f32) -> vec4f 
     // Flakes finer than the pixel are many at once: their mean is the surface's own normal.
     let seen = octaveSeen(0.5 * position.w / max(size, 1e-6));
     if unitFloat(hashU1(id + 77u)) > coverage {
-        return vec4f(n, 0.0);
+        return vec4f(n, mix(0.5 * coverage, 0.0, seen));
     }
     let tilt = roughness * seen * (2.0 * r - 1.0);
-    return vec4f(normalize(n + tilt), r.x);
+    return vec4f(normalize(n + tilt), mix(0.5 * coverage, r.x, seen));
 }

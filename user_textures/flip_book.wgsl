@@ -24,6 +24,9 @@ fn flip_picture(file: sam2D, texcoord: vec4f, grid: vec2u, frame: f32) -> vec4f 
     let corner = vec2f(vec2u(number % grid.x, number / grid.x));
     let size = texSize(file);
     let pixels = texcoord.w * max(size.x / f32(grid.x), size.y / f32(grid.y));
-    let uv = (corner + fract(texcoord.xy)) / vec2f(grid);
-    return tex2DLod(file, uv, log2(max(pixels, 1.0)));
+    let lod = log2(max(pixels, 1.0));
+    // Half a pixel of the smaller copy stays away from the border, beyond which the neighbouring picture begins.
+    let half = min(0.5 * exp2(ceil(lod)) * vec2f(grid) / max(size, vec2f(1.0)), vec2f(0.5));
+    let uv = (corner + clamp(fract(texcoord.xy), half, 1.0 - half)) / vec2f(grid);
+    return tex2DLod(file, uv, lod);
 }

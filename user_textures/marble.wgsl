@@ -18,12 +18,15 @@ fn userProc(position: vec4f, scale: f32, warp: f32, width: f32, stone: vec3f, sh
     for (var layer = 0; layer < 3; layer++) {
         let s = pow(2.1, f32(layer));
         let line = abs(perlin3D(q * s + 31.7 * f32(layer))) * 4.0 / max(width, 0.01);
-        let present = smoothstep(-0.15, 0.45, perlin3D(p * 0.6 * s + 5.3 * f32(layer)));
+        let branch = smoothstep(-0.15, 0.45, perlin3D(p * 0.6 * s + 5.3 * f32(layer)));
+        let present = mix(0.26, branch, octaveSeen(pixel * 0.6 * s));
         // Veins thinner than the pixel are what they cover on the whole.
-        let cover = mix(0.65 * width, saturate(1.0 - line), octaveSeen(pixel * s * 3.0));
+        let cover = mix(width * (0.55 - 0.09 * width), saturate(1.0 - line), octaveSeen(pixel * s * 3.0));
         strength += pow(0.62, f32(layer)) * present * cover;
     }
     let s = saturate(strength * 1.1);
     let body = mix(shade, stone, smoothstep(-0.45, 0.35, clouds));
-    return vec4f(mix(body, vein, s * s * (3.0 - 2.0 * s)), s);
+    // The mean of the curve is not the curve of the mean.
+    let tint = mix(s * (0.7 + 0.155 * width), s * s * (3.0 - 2.0 * s), octaveSeen(pixel * 3.0));
+    return vec4f(mix(body, vein, tint), s);
 }

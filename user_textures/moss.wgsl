@@ -15,10 +15,12 @@ fn userProc(position: vec4f, normal: vec3f, open: f32, amount: f32, scale: f32, 
     let up = 0.5 + 0.5 * normal.y;
     let damp = 0.55 * up + 1.2 * (1.0 - open) + 0.8 * patches;
     // Cushions are domes; short stalks stand out of them.
-    let dome = 1.0 - voronoiSmooth3D(p + 0.3 * perlin3D(p * 1.7), 1.0, 0.3);
+    let round = 1.0 - voronoiSmooth3D(p + 0.3 * perlin3D(p * 1.7), 1.0, 0.3);
+    let dome = mix(0.46, round, octaveSeen(0.5 * pixel));
     let stalks = fbm3D(p * 9.0, 3.0, 2.2, 0.6, pixel * 9.0);
     let edge = mix(1.2, -0.3, saturate(amount));
-    let width = 0.08 + 0.3 * (1.0 - octaveSeen(pixel));
+    // What the pixel hides is in the width, by its spread.
+    let width = length(vec2f(0.08, 0.31 * (1.0 - octaveSeen(pixel))));
     let cover = smoothstep(edge - width, edge + width, damp + 0.25 * (dome - 0.5) + 0.12 * stalks);
     let shade = saturate(0.2 + 0.7 * dome + 0.6 * stalks + 0.3 * patches);
     return vec4f(mix(old, young, shade * shade), cover);

@@ -1,5 +1,5 @@
-/// A normal in the world from the colour of a normal map in tangent space: link an `image` to it, and the result to a material's
-/// `normal`.
+/// A normal in the world from the colour of a normal map in tangent space: link the `.xyz` of an `image` to it, whose file has
+/// `color_space = "linear"`, and the result to a material's `normal`.
 /// @group surface
 /// @param color colour of the map, as data = (0.5, 0.5, 1)
 /// @param scale how strongly it leans [-10 .. 10] [soft 0 .. 2] = 1

@@ -22,6 +22,7 @@ fn userProc(position: vec4f, scale: f32, amount: f32, cracks: f32) -> vec3f {
     // Paint lifts where it will go next.
     let curl = smoothstep(0.25, 0.0, left) * smoothstep(0.25, 0.0, border);
     let seen = octaveSeen(0.6 * pixel);
-    let mean = saturate(1.0 - amount) * (1.0 - 2.0 * cracks);
-    return mix(vec3f(mean, 0.5 * mean, 0.5), vec3f(paint, paint * (0.5 + 0.5 * curl), number), seen);
+    // On the whole `loose` is spread like a bell about 0.5, and cracks leave out what lies near the borders.
+    let mean = smoothstep(-0.4, 0.4, 0.5 - saturate(amount)) * exp(-2.7 * cracks - 0.036);
+    return mix(vec3f(mean, 0.55 * mean, 0.5), vec3f(paint, paint * (0.5 + 0.5 * curl), number), seen);
 }

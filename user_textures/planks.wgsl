@@ -16,5 +16,6 @@ fn userProc(texcoord: vec4f, rows: f32, length: f32, gap: f32) -> vec4f {
     let mask = edgeStep(0.5 * gap, border, pixel);
     let r = random2to2(vec2u(vec2i(vec2f(column, row))));
     let seen = octaveSeen(0.6 * pixel);
-    return vec4f(mix(1.0 - gap, mask, seen), mix(vec2f(0.5), r, seen), fract(x));
+    let covered = (1.0 - gap) * saturate(1.0 - gap / max(length, 0.1));
+    return mix(vec4f(covered, 0.5, 0.5, 0.5), vec4f(mask, r, fract(x)), seen);
 }

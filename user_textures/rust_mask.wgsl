@@ -20,6 +20,7 @@ fn userProc(scale: f32, amount: f32, influence: f32, contrast: f32, position: ve
     let covered = clamp(amount, 0.0005, 0.9995);
     let threshold = 0.13 * log((1.0 - covered) / covered);
     // Patches too small to be seen leave a soft threshold behind: their mean.
-    let softness = 0.015 + 0.3 * (1.0 - saturate(contrast)) + 0.3 * (1.0 - fractalSeen(6.0, 2.03, 0.55, pixel));
+    let hidden = 0.39 * (1.0 - fractalSeen(6.0, 2.03, 0.55, pixel));
+    let softness = length(vec2f(0.015 + 0.3 * (1.0 - saturate(contrast)), hidden));
     return smoothstep(threshold - softness, threshold + softness, patches + crevice);
 }

@@ -23,7 +23,8 @@ fn userProc(
     let noise = fbm3D(position.xyz * scale, 6.0, 2.1, 0.5, pixel);
     let level = height + 0.35 * noise - 0.5 * (1.0 - open) + 0.5 * (amount - 0.5);
     let edge = cos(slope);
-    let width = 0.01 + 0.5 * softness + 0.3 * (1.0 - fractalSeen(6.0, 2.1, 0.5, pixel));
+    // What the pixel hides of the noise is in the width, by its spread.
+    let width = length(vec2f(0.01 + 0.5 * softness, 0.14 * (1.0 - fractalSeen(6.0, 2.1, 0.5, pixel))));
     let cover = smoothstep(edge - width, edge + width, level);
     let thickness = smoothstep(edge, edge + 0.6, level) * (0.8 + 0.2 * noise);
     return vec2f(cover, saturate(thickness));

@@ -14,7 +14,11 @@ fn userProc(position: vec4f, direction: vec3f, scale: f32, length: f32, amount: 
     let fine = fbm3D(p, 5.0, 2.1, 0.6, pixel);
     let broad = fbm3D(p * 0.2 + 7.0, 3.0, 2.0, 0.5, pixel * 0.2);
     let level = 0.5 + 0.5 * fine + 0.5 * broad;
-    let width = mix(0.5, 0.05, saturate(contrast));
+    // What the pixel hides of both noises is in the width, by their spread.
+    let hidden = 0.19 * (1.0 - fractalSeen(5.0, 2.1, 0.6, pixel));
+    let hidden_broad = 0.22 * (1.0 - fractalSeen(3.0, 2.0, 0.5, pixel * 0.2));
+    let widths = vec3f(mix(0.5, 0.05, saturate(contrast)), hidden, hidden_broad);
+    let width = sqrt(dot(widths, widths));
     let edge = 1.0 - saturate(amount);
     return smoothstep(edge - width, edge + width, level);
 }

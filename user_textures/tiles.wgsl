@@ -18,6 +18,10 @@ fn userProc(texcoord: vec4f, uvtiling: vec2f, offset: f32, joint: f32, corner: f
     let mask = 1.0 - edgeStep(0.0, distance, pixel);
     let height = smoothstep(0.0, max(bevel, 1e-4), -distance);
     let number = random2to1(vec2u(vec2i(cell)));
+    // A square less its corners, and the mean over it of the smooth slope.
     let side = 1.0 - joint;
-    return mix(vec3f(side * side, side * side * (1.0 - 2.0 * bevel), 0.5), vec3f(mask, height, number), octaveSeen(0.6 * pixel));
+    let flat_corner = max(corner - 0.5 * bevel, 0.0);
+    let area = saturate(side * side - 0.858 * corner * corner);
+    let mean = saturate(side * side - 2.0 * side * bevel + 1.2 * bevel * bevel - 0.858 * flat_corner * flat_corner);
+    return mix(vec3f(area, mean, 0.5), vec3f(mask, height, number), octaveSeen(0.6 * pixel));
 }

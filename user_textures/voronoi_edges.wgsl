@@ -12,5 +12,7 @@ fn userProc(position: vec4f, scale: f32, randomness: f32, width: f32, softness: 
     // Thinner than a pixel it is drawn as wide as that, but paler.
     let drawn = max(half, 0.5 * pixel);
     let border = (half / max(drawn, 1e-6)) * (1.0 - softStep(drawn, drawn + softness, edge, pixel));
-    return mix(min(3.0 * width, 1.0), border, octaveSeen(0.4 * pixel));
+    // The share of space within a distance of a border.
+    let mean = select(0.0, 1.0 - exp(-6.3 * (half + 0.5 * softness)), width > 0.0);
+    return mix(mean, border, octaveSeen(0.4 * pixel));
 }

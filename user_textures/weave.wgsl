@@ -23,7 +23,9 @@ fn userProc(texcoord: vec4f, scale: f32, over: u32, under: u32, shift: u32, widt
     let number = random2to1(select(vec2u(vec2i(vec2f(cell.y, -1.0))), vec2u(vec2i(vec2f(cell.x, -2.0))), on_warp));
     let seen = octaveSeen(0.7 * pixel);
     let share = f32(max(over, 1u)) / period;
-    return mix(vec3f(0.64 * width, share, 0.5), vec3f(height, select(0.0, 1.0, on_warp), number), seen);
+    // Where only one of both threads is, it is on top.
+    let on_top = width * (1.0 - width * (1.0 - share));
+    return mix(vec3f(0.64 * width, on_top, 0.5), vec3f(height, select(0.0, 1.0, on_warp), number), seen);
 }
 
 // Height of a thread at a distance across and along it within one crossing.

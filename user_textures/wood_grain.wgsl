@@ -33,13 +33,14 @@ fn userProc(
     // Growth slows down over the year, and stops at once.
     let t = fract(radius);
     let season = pow(t, 1.5 + 2.0 * year) * (1.0 - smoothstep(0.93, 1.0, t));
-    let shown = mix(0.33, season, octaveSeen(pixel));
+    let seen = octaveSeen(pixel);
+    let shown = mix(0.33, season, seen);
     // Fibres are long and thin.
     let f = (across + 0.02 * n * along) * rings * 9.0;
     let fibre = fbm3D(f, 3.0, 2.3, 0.6, pixel * 9.0);
     let pore_field = perlin3D((across + 0.05 * n * along) * rings * 14.0 + 40.0);
     let pore = smoothstep(0.28, 0.5, pore_field) * (1.0 - t) * octaveSeen(pixel * 7.0);
-    let tone = saturate(shown * 0.85 + 0.22 * (year - 0.5) + 0.35 * fibres * fibre + 0.12 * bulge);
+    let tone = saturate(shown * 0.85 + 0.22 * (year - 0.5) * seen + 0.35 * fibres * fibre + 0.12 * bulge);
     let color = mix(early, late, tone) * (1.0 - 0.55 * pores * pore);
     let height = saturate(0.6 - 0.25 * shown + 0.15 * fibres * fibre - 0.6 * pores * pore);
     return vec4f(color, height);

@@ -8,5 +8,11 @@
 fn userProc(position: vec4f, scale: f32, randomness: f32, metric: u32) -> vec4f {
     let found = voronoiMetric3D(position.xyz * scale, saturate(randomness), min(metric, 2u));
     let cells = vec4f(found.nearest, found.second, found.second - found.nearest, random1to1(found.id));
-    return mix(vec4f(0.53, 0.73, 0.2, 0.5), cells, octaveSeen(0.5 * position.w * scale));
+    var mean = vec4f(0.53, 0.73, 0.2, 0.5);
+    if metric == METRIC_MANHATTAN {
+        mean = vec4f(0.77, 1.06, 0.29, 0.5);
+    } else if metric >= METRIC_CHEBYSHEV {
+        mean = vec4f(0.425, 0.58, 0.155, 0.5);
+    }
+    return mix(mean, cells, octaveSeen(0.5 * position.w * scale));
 }

@@ -212,14 +212,23 @@ fn ramp(i: u32, nodes: u32, _: u32) -> Vec<Edit> {
 
 /// The last node of a chain reads another one of it.
 fn link(i: u32, nodes: u32, materials: u32) -> Vec<Edit> {
-    let chain = i % materials * CHAIN;
-    let last = (chain + CHAIN).min(nodes) - 1;
-    let source = chain + i / materials % (last - chain).max(1);
+    let (last, source) = linked(i, nodes, materials);
     vec![Edit::link(
         &format!("n{last}"),
         "scale",
         &format!("n{source}"),
     )]
+}
+
+/// The last node of a chain, and the one that it is to read.
+fn linked(i: u32, nodes: u32, materials: u32) -> (u32, u32) {
+    let mut chain = i % materials * CHAIN;
+    // The last chain may be a single node, which can't be linked to itself.
+    if chain + 1 >= nodes {
+        chain = chain.saturating_sub(CHAIN);
+    }
+    let last = (chain + CHAIN).min(nodes) - 1;
+    (last, chain + i / materials % (last - chain).max(1))
 }
 
 fn slot(i: u32, nodes: u32, materials: u32) -> Vec<Edit> {
@@ -365,6 +374,18 @@ mod tests {
         let loaded = loaded.unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(loaded.procedural.graph().ids().len(), 43);
         assert_eq!(loaded.scene.instanced_triangles(), 10);
+    }
+
+    #[test]
+    fn no_node_is_linked_to_itself() {
+        for nodes in [20_u32, 21, 22, 29, 30, 31, 101] {
+            let materials = nodes.div_ceil(CHAIN);
+            for i in 0..300 {
+                let (last, source) = linked(i, nodes, materials);
+                assert!(source < last && last < nodes, "n{last} -> n{source}");
+                assert_eq!(last / CHAIN, source / CHAIN, "n{last} -> n{source}");
+            }
+        }
     }
 
     #[test]

@@ -167,6 +167,9 @@ pub enum MethodsError {
     Reference([usize; 2], [usize; 2]),
 }
 
+/// Samples per pixel of the first pictures.
+pub const LEAST_SPP: u32 = 4;
+
 /// What [`measure`] calls the picture that others are compared with.
 pub const REFERENCE: &str = "the reference";
 
@@ -285,7 +288,7 @@ pub fn measure(
 
 /// 4, 6, 8, 12, 16 and so on.
 fn numbers(most: u32) -> impl Iterator<Item = u32> {
-    let powers = std::iter::successors(Some(4_u32), |spp| spp.checked_mul(2));
+    let powers = std::iter::successors(Some(LEAST_SPP), |spp| spp.checked_mul(2));
     let all = powers.flat_map(|spp| [spp, spp.saturating_add(spp / 2)]);
     all.take_while(move |&spp| spp <= most)
 }

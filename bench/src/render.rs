@@ -112,18 +112,30 @@ impl Run {
     }
 }
 
-/// Renders every workload `runs` times at `spp` samples per pixel, in turn (A B C A B C), after one run of each that is
-/// not counted: drivers compile kernels when they run for the first time. `progress` hears the number of renders done.
+/// How often everything is rendered.
+#[derive(Debug, Clone, Copy)]
+pub struct Effort {
+    /// Samples of each pixel.
+    pub spp: u32,
+    /// Timed runs.
+    pub runs: u32,
+    /// Asked again and again whether to end with the runs that are done.
+    pub is_over: fn() -> bool,
+}
+
+/// Renders every workload so many times, in turn (A B C A B C), after one run of each that is not counted: drivers compile kernels
+/// when they run for the first time. `progress` hears of each render, and how many timed runs all workloads have by then. The
+/// number of these comes with the reports.
 ///
 /// # Errors
 /// As [`Renderer::new`] and [`Renderer::render`].
 pub fn render(
     device: &Device,
     workloads: &[Workload<'_>],
-    spp: u32,
-    runs: u32,
+    effort: Effort,
     mut progress: impl FnMut(u32),
-) -> Result<Vec<RenderReport>, RenderError> {
+) -> Result<(Vec<RenderReport>, u32), RenderError> {
+    let Effort { spp, runs, is_over } = effort;
     let mut renderers = Vec::new();
     for workload in workloads {
         let mut renderer = Renderer::new(
@@ -137,22 +149,33 @@ pub fn render(
     }
     let mut timed: Vec<Vec<Run>> = workloads.iter().map(|_| Vec::new()).collect();
     let mut done = 0;
-    for round in 0..=runs {
-        for (renderer, timed) in renderers.iter_mut().zip(&mut timed) {
+    'all: for round in 0..=runs {
+        for (at, renderer) in renderers.iter_mut().enumerate() {
             renderer.restart();
             let before = renderer.stats()?;
-            renderer.render(spp)?;
-            if round > 0 {
-                timed.push(Run::between(&before, &renderer.stats()?));
+            loop {
+                if is_over() {
+                    break 'all;
+                }
+                if renderer.step(spp)?.is_done() {
+                    break;
+                }
             }
-            done += 1;
+            if round > 0 {
+                timed[at].push(Run::between(&before, &renderer.stats()?));
+            }
+            if at + 1 == workloads.len() {
+                done = round;
+            }
             progress(done);
         }
     }
     let reports = workloads.iter().zip(&renderers).zip(&timed);
-    reports
-        .map(|((workload, renderer), runs)| report(workload, renderer, spp, runs))
-        .collect()
+    let reports = reports.map(|((workload, renderer), runs)| {
+        // All have been run as often.
+        report(workload, renderer, spp, &runs[..done as usize])
+    });
+    Ok((reports.collect::<Result<_, _>>()?, done))
 }
 
 fn report(
@@ -213,5 +236,53 @@ fn rate(count: u64, seconds: f64) -> f64 {
         count as f64 / seconds
     } else {
         0.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+    use std::sync::atomic::{AtomicU32, Ordering};
+
+    use device::DeviceChoice;
+    use engine::procedural::TextureSources;
+    use engine::scene::look::Look;
+
+    use super::*;
+    use crate::scenes;
+
+    #[test]
+    fn what_is_ended_early_has_the_runs_that_all_have() {
+        let device = Device::open(&DeviceChoice::Native(2));
+        let device = device.unwrap_or_else(|error| panic!("{error}"));
+        let mut scene = scenes::cornell_box();
+        let nothing = Look::parse(Path::new(""), "").unwrap_or_else(|error| panic!("{error}"));
+        let procedural = Procedural::build(&nothing, &mut scene, &TextureSources::default());
+        let procedural = procedural.unwrap_or_else(|error| panic!("{error}"));
+        let workload = |name: &str| Workload {
+            name: name.to_owned(),
+            scene: &scene,
+            procedural: &procedural,
+            settings: RenderSettings::new(16, 16, &scene.cameras[0]),
+        };
+        let workloads = [workload("a"), workload("b")];
+        // After the first one's second timed run.
+        static RENDERS: AtomicU32 = AtomicU32::new(0);
+        let effort = Effort {
+            spp: 1,
+            runs: 3,
+            is_over: || RENDERS.load(Ordering::Relaxed) > 4,
+        };
+        let mut heard = Vec::new();
+        let ended = render(&device, &workloads, effort, |runs| {
+            RENDERS.fetch_add(1, Ordering::Relaxed);
+            heard.push(runs);
+        });
+        let (reports, runs) = ended.unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!((heard, runs), (vec![0, 0, 0, 1, 1], 1));
+        for report in reports {
+            let Spread { median, low, high } = report.samples_per_second;
+            assert!(low > 0.0 && low == median && median == high);
+        }
     }
 }

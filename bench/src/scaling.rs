@@ -30,6 +30,11 @@ const MOST_FILM_BYTES: u64 = 8 << 30;
 /// Bytes of a pixel in a film.
 const PIXEL_BYTES: u64 = 80;
 
+/// Columns, and rows, of the picture from which the time of the first case is known: at most so many.
+const MOST_TRIED_SIDE: u32 = 256;
+/// How often it is asked whether devices that render together are to end.
+const LOOK: Duration = Duration::from_millis(200);
+
 /// Devices that are to begin together wait for each other no longer than this.
 const PATIENCE: Duration = Duration::from_secs(120);
 
@@ -58,6 +63,8 @@ pub struct Setup {
     pub runs: u32,
     /// Cases that would be done later than this are left out.
     pub limit: Duration,
+    /// Asked again and again whether to end with what there is.
+    pub is_over: fn() -> bool,
 }
 
 /// How the pieces of a picture are put to work.
@@ -183,6 +190,13 @@ pub struct ScalingReport {
     pub left_out: Vec<LeftOut>,
 }
 
+impl ScalingReport {
+    /// Whether there is a row in any table.
+    pub fn has_figures(&self) -> bool {
+        !(self.threads.is_empty() && self.together.is_empty() && self.pieces.is_empty())
+    }
+}
+
 /// Why nothing can be measured.
 #[derive(Debug, thiserror::Error)]
 pub enum ScalingError {
@@ -202,19 +216,23 @@ pub enum ScalingError {
     },
 }
 
-/// Measures everything; `progress` hears of each case that begins.
+/// Measures everything; `progress` hears of each case that begins, and what there is by then.
 ///
 /// # Errors
 /// A device that can't be opened, or can't render the scene.
 pub fn measure(
     setup: &Setup,
-    mut progress: impl FnMut(&str),
+    mut progress: impl FnMut(&str, &ScalingReport),
 ) -> Result<ScalingReport, ScalingError> {
     let mut report = ScalingReport::default();
+    let start = Instant::now();
+    progress("how fast it is", &report);
     let mut budget = Budget {
-        start: Instant::now(),
+        start,
         limit: setup.limit,
-        rate: None,
+        rate: setup.rate()?,
+        is_over: setup.is_over,
+        was_over: false,
     };
     for &side in &setup.sides {
         measure_threads(setup, side, &mut budget, &mut report, &mut progress)?;
@@ -227,6 +245,12 @@ pub fn measure(
             measure_pieces(setup, (side, tile), &mut budget, &mut report, &mut progress)?;
         }
     }
+    if budget.was_over {
+        report.left_out.push(LeftOut {
+            case: "all that isn't here".to_owned(),
+            reason: "interrupted".to_owned(),
+        });
+    }
     Ok(report)
 }
 
@@ -234,17 +258,36 @@ pub fn measure(
 struct Budget {
     start: Instant,
     limit: Duration,
-    /// Samples per second of a case like those to come, once one is known.
-    rate: Option<f64>,
+    /// Samples per second of a case like those to come.
+    rate: f64,
+    is_over: fn() -> bool,
+    /// It was, before everything was measured.
+    was_over: bool,
 }
 
 impl Budget {
-    /// Why so many samples, whose films take so many bytes, can't be rendered; the first case always can.
+    /// Whether nothing more is to be measured.
+    fn is_over(&mut self) -> bool {
+        self.was_over |= (self.is_over)();
+        self.was_over
+    }
+
+    /// Renders a picture; false where it is ended before that.
+    fn render(&mut self, renderer: &mut Renderer, spp: u32) -> Result<bool, RenderError> {
+        while !self.is_over() {
+            if renderer.step(spp)?.is_done() {
+                return Ok(true);
+            }
+        }
+        Ok(false)
+    }
+
+    /// Why so many samples, whose films take so many bytes, can't be rendered.
     fn refuses(&self, samples: f64, film_bytes: u64) -> Option<String> {
         if film_bytes > MOST_FILM_BYTES {
             return Some(format!("its films would take {} GiB", film_bytes >> 30));
         }
-        let expected = samples / self.rate?;
+        let expected = samples / self.rate;
         let left = self.limit.as_secs_f64() - self.start.elapsed().as_secs_f64();
         (expected > left).then(|| {
             format!(
@@ -276,6 +319,19 @@ impl Setup {
         Ok(renderer)
     }
 
+    /// Samples of pixels per second of the most threads, as a small picture of one sample has it. What is compiled beside its use
+    /// is awaited.
+    fn rate(&self) -> Result<f64, ScalingError> {
+        let smallest = self.sides.first().copied().unwrap_or(MOST_TRIED_SIDE);
+        let side = smallest.min(MOST_TRIED_SIDE);
+        let mut renderer = self.renderer(self.most_threads(), side)?;
+        renderer.device().finish_compiling();
+        let start = Instant::now();
+        renderer.render(1)?;
+        let seconds = start.elapsed().as_secs_f64();
+        Ok(f64::from(side) * f64::from(side) / seconds.max(1e-9))
+    }
+
     /// All rounds, the one that isn't counted, too.
     fn rounds(&self) -> f64 {
         f64::from(self.runs + 1)
@@ -300,8 +356,11 @@ fn measure_threads(
     side: u32,
     budget: &mut Budget,
     report: &mut ScalingReport,
-    progress: &mut impl FnMut(&str),
+    progress: &mut impl FnMut(&str, &ScalingReport),
 ) -> Result<(), ScalingError> {
+    if budget.is_over() {
+        return Ok(());
+    }
     let samples = setup.samples(side);
     let case = format!("threads, {side}x{side}");
     let first = setup.threads.first().copied().unwrap_or(1);
@@ -314,7 +373,7 @@ fn measure_threads(
         report.left_out.push(LeftOut { case, reason });
         return Ok(());
     }
-    progress(&case);
+    progress(&case, report);
     let renderers = setup
         .threads
         .iter()
@@ -325,7 +384,9 @@ fn measure_threads(
         for (renderer, times) in renderers.iter_mut().zip(&mut times) {
             renderer.restart();
             let start = Instant::now();
-            renderer.render(setup.spp)?;
+            if !budget.render(renderer, setup.spp)? {
+                return Ok(());
+            }
             if round > 0 {
                 times.push(start.elapsed().as_secs_f64());
             }
@@ -335,7 +396,7 @@ fn measure_threads(
         let seconds = Spread::of(of.iter().copied());
         let speedup = ratios(&times[0], of);
         let samples_per_second = samples / seconds.median.max(1e-9);
-        budget.rate = Some(samples_per_second);
+        budget.rate = samples_per_second;
         report.threads.push(ThreadPoint {
             side,
             threads,
@@ -353,9 +414,9 @@ fn measure_together(
     side: u32,
     budget: &mut Budget,
     report: &mut ScalingReport,
-    progress: &mut impl FnMut(&str),
+    progress: &mut impl FnMut(&str, &ScalingReport),
 ) -> Result<(), ScalingError> {
-    if setup.devices.is_empty() {
+    if setup.devices.is_empty() || budget.is_over() {
         return Ok(());
     }
     let samples = setup.samples(side);
@@ -368,7 +429,7 @@ fn measure_together(
         report.left_out.push(LeftOut { case, reason });
         return Ok(());
     }
-    progress(&case);
+    progress(&case, report);
     let plan = Plan {
         scene: Arc::clone(&setup.scene),
         procedural: Arc::clone(&setup.procedural),
@@ -393,13 +454,16 @@ fn measure_together(
     for round in 0..=setup.runs {
         let mut rates = Vec::new();
         for device in &devices {
-            rates.push(by_devices(&plan, std::slice::from_ref(device))?.0);
+            rates.push(by_devices(&plan, std::slice::from_ref(device), budget)?.0);
         }
-        let (rate, parts) = by_devices(&plan, &devices)?;
+        let (rate, parts) = by_devices(&plan, &devices, budget)?;
         let reference = match &one {
-            Some(one) => Some(by_devices(&plan, std::slice::from_ref(one))?.0),
+            Some(one) => Some(by_devices(&plan, std::slice::from_ref(one), budget)?.0),
             None => None,
         };
+        if budget.was_over {
+            return Ok(());
+        }
         if round > 0 {
             alone
                 .iter_mut()
@@ -432,8 +496,13 @@ fn measure_together(
     Ok(())
 }
 
-/// Samples per second of a picture by some devices, once all of them are ready, and the part of each.
-fn by_devices(plan: &Plan, devices: &[Device]) -> Result<(f64, Vec<f64>), ScalingError> {
+/// Samples per second of a picture by some devices, once all of them are ready, and the part of each; of as much of it as there is
+/// where it is ended early.
+fn by_devices(
+    plan: &Plan,
+    devices: &[Device],
+    budget: &mut Budget,
+) -> Result<(f64, Vec<f64>), ScalingError> {
     let missing = Arc::new(AtomicUsize::new(devices.len()));
     let recruits = devices.iter().map(|device| {
         let missing = Arc::clone(&missing);
@@ -448,6 +517,12 @@ fn by_devices(plan: &Plan, devices: &[Device]) -> Result<(f64, Vec<f64>), Scalin
         })
     });
     let fleet = Fleet::start(plan, recruits);
+    while !fleet.is_over() {
+        if budget.is_over() {
+            fleet.stop();
+        }
+        fleet.wait(LOOK);
+    }
     let outcome = fleet.outcome();
     if let Some(loss) = fleet.losses().pop() {
         return Err(ScalingError::Lost {
@@ -465,8 +540,11 @@ fn measure_pieces(
     (side, tile): (u32, u32),
     budget: &mut Budget,
     report: &mut ScalingReport,
-    progress: &mut impl FnMut(&str),
+    progress: &mut impl FnMut(&str, &ScalingReport),
 ) -> Result<(), ScalingError> {
+    if budget.is_over() {
+        return Ok(());
+    }
     let samples = setup.samples(side);
     let threads = setup.most_threads();
     let case = format!("pieces of {tile}x{tile}, {side}x{side}");
@@ -476,7 +554,7 @@ fn measure_pieces(
         report.left_out.push(LeftOut { case, reason });
         return Ok(());
     }
-    progress(&case);
+    progress(&case, report);
     let mut inside = [setup.renderer(threads, side)?];
     let beside = (0..threads).map(|_| setup.renderer(1, side));
     let mut beside: Vec<Renderer> = beside.collect::<Result<_, _>>()?;
@@ -491,7 +569,10 @@ fn measure_pieces(
             };
             let pieces = pieces(renderers[0].paths_per_sample(), tile, setup.spp, piece);
             let start = Instant::now();
-            in_pieces(renderers, &pieces)?;
+            in_pieces(renderers, &pieces, setup.is_over)?;
+            if budget.is_over() {
+                return Ok(());
+            }
             if round > 0 {
                 times.push(start.elapsed().as_secs_f64());
             }
@@ -529,17 +610,19 @@ fn pieces(per_sample: u64, tile: u32, spp: u32, piece: Piece) -> Vec<Vec<Range<u
     }
 }
 
-/// Renders all pieces: each renderer takes the next one as soon as it is done with its last. The sum of their films.
+/// Renders all pieces, or as many as there is time for: each renderer takes the next one as soon as it is done with its last. The sum
+/// of their films.
 fn in_pieces(
     renderers: &mut [Renderer],
     pieces: &[Vec<Range<u64>>],
+    is_over: fn() -> bool,
 ) -> Result<Option<Film>, RenderError> {
     let next = AtomicUsize::new(0);
     let work = |renderer: &mut Renderer| {
         while let Some(piece) = pieces.get(next.fetch_add(1, Ordering::Relaxed)) {
             for range in piece {
                 let mut at = range.start;
-                while at < range.end {
+                while at < range.end && !is_over() {
                     at += renderer.render_paths(at..range.end)?;
                 }
             }
@@ -590,6 +673,7 @@ mod tests {
             devices: vec![DeviceChoice::Native(1); 2],
             runs: 1,
             limit: Duration::from_secs(3600),
+            is_over: || false,
         }
     }
 
@@ -621,7 +705,8 @@ mod tests {
                 renderer.unwrap_or_else(|error| panic!("{error}"))
             });
             let pieces = pieces(40 * 40, 16, 3, piece);
-            let film = in_pieces(&mut renderers, &pieces).unwrap_or_else(|error| panic!("{error}"));
+            let film = in_pieces(&mut renderers, &pieces, || false);
+            let film = film.unwrap_or_else(|error| panic!("{error}"));
             assert!(film.as_ref() == Some(&whole), "{piece:?}");
         }
     }
@@ -629,7 +714,10 @@ mod tests {
     #[test]
     fn all_tables_are_filled_and_a_limit_is_kept() {
         let setup = setup();
-        let report = measure(&setup, |_| ()).unwrap_or_else(|error| panic!("{error}"));
+        let mut had_figures = Vec::new();
+        let report = measure(&setup, |_, report| had_figures.push(report.has_figures()));
+        let report = report.unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!(had_figures[..3], [false, false, true]);
         assert_eq!(report.threads.len(), 4);
         assert_eq!(report.together.len(), 2);
         // Pieces of 16 and 32 in both pictures, of 64 in one.
@@ -640,8 +728,37 @@ mod tests {
             limit: Duration::ZERO,
             ..setup
         };
-        let report = measure(&none, |_| ()).unwrap_or_else(|error| panic!("{error}"));
-        assert_eq!(report.threads.len(), 2, "the first case is measured");
-        assert_eq!(report.left_out.len(), 1 + 2 + 5);
+        let report = measure(&none, |_, _| ()).unwrap_or_else(|error| panic!("{error}"));
+        assert!(!report.has_figures(), "the first case, too, has a limit");
+        assert_eq!(report.left_out.len(), 2 + 2 + 5);
+    }
+
+    #[test]
+    fn what_is_ended_early_says_so_and_gives_what_there_is() {
+        let ended = Setup {
+            is_over: || true,
+            ..setup()
+        };
+        let report = measure(&ended, |_, _| ()).unwrap_or_else(|error| panic!("{error}"));
+        assert!(!report.has_figures());
+        let reasons: Vec<&str> = (report.left_out.iter())
+            .map(|left_out| left_out.reason.as_str())
+            .collect();
+        assert_eq!(reasons, ["interrupted"]);
+        // Within the second case: what the first has stays.
+        static ASKED: AtomicUsize = AtomicUsize::new(0);
+        static LIMIT: AtomicUsize = AtomicUsize::new(usize::MAX);
+        let later = Setup {
+            is_over: || ASKED.fetch_add(1, Ordering::Relaxed) > LIMIT.load(Ordering::Relaxed),
+            ..setup()
+        };
+        let report = measure(&later, |_, report| {
+            if report.has_figures() {
+                LIMIT.store(0, Ordering::Relaxed);
+            }
+        });
+        let report = report.unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!((report.threads.len(), report.together.len()), (2, 0));
+        assert_eq!(report.left_out.len(), 1);
     }
 }

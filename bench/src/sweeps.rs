@@ -141,19 +141,21 @@ pub struct SweepReport {
     pub left_out: Vec<LeftOut>,
     /// Forms without points.
     pub absent: Vec<Absent>,
+    /// Why there are no points of further values, if that is so: [`INTERRUPTED`], or what failed.
+    pub ended: Option<String>,
 }
 
-/// Measures one sweep; rust has the first number of AO rays of the setup. `progress` hears of each render.
-///
-/// # Errors
-/// As [`crate::textures::compare`].
+/// Why a sweep has ended that was told to.
+pub const INTERRUPTED: &str = "interrupted";
+
+/// Measures one sweep; rust has the first number of AO rays of the setup. `progress` hears of each render. What fails, as
+/// [`crate::textures::compare`] may, ends it: the points before stay.
 pub fn sweep(
     device: &Device,
     setup: &Setup<'_>,
     what: Sweep,
     mut progress: impl FnMut(),
-) -> Result<SweepReport, TextureBenchError> {
-    setup.check()?;
+) -> SweepReport {
     let mut report = SweepReport {
         sweep: what.name(),
         label: what.label(),
@@ -161,9 +163,30 @@ pub fn sweep(
         points: Vec::new(),
         left_out: Vec::new(),
         absent: Vec::new(),
+        ended: None,
     };
+    report.ended = match points(device, setup, what, &mut report, &mut progress) {
+        Ok(true) => None,
+        Ok(false) => Some(INTERRUPTED.to_owned()),
+        Err(error) => Some(error.to_string()),
+    };
+    report
+}
+
+/// Measures the points of a sweep; false where it is ended before the last one.
+fn points(
+    device: &Device,
+    setup: &Setup<'_>,
+    what: Sweep,
+    report: &mut SweepReport,
+    progress: &mut dyn FnMut(),
+) -> Result<bool, TextureBenchError> {
+    setup.check()?;
     let mut grays = Vec::new();
     for &setting in what.settings() {
+        if (setup.is_over)() {
+            return Ok(false);
+        }
         let step = match Step::new(device, setup, what, setting)? {
             Ok(step) => step,
             Err(left_out) => {
@@ -186,7 +209,9 @@ pub fn sweep(
         // Each beside its gray.
         let pairs = grays.iter_mut().zip(&mut textured);
         let mut cases: Vec<&mut Case> = pairs.flat_map(|(gray, case)| [gray, case]).collect();
-        in_turn::run(&mut cases, setup.spp, setup.runs, &mut progress)?;
+        if !in_turn::run(&mut cases, setup.spp, setup.runs, setup.is_over, progress)? {
+            return Ok(false);
+        }
         if let Some((first, others)) = textured.split_first() {
             let film = first.renderer.film()?;
             for case in others {
@@ -203,7 +228,7 @@ pub fn sweep(
             });
         }
     }
-    Ok(report)
+    Ok(true)
 }
 
 /// Most renders of [`sweep`], for a progress bar.
@@ -354,7 +379,9 @@ fn chain(material: &str, nodes: u32) -> String {
 #[cfg(test)]
 mod tests {
     use std::path::Path;
+    use std::sync::atomic::{AtomicUsize, Ordering};
 
+    use device::DeviceChoice;
     use texgen::{Attribute, BuiltinAttribute, TextureType};
 
     use super::*;
@@ -383,6 +410,48 @@ mod tests {
             settings: RenderSettings::new(8, 8, &scene.cameras[0]),
             scene,
         }
+    }
+
+    /// What a sweep over bounces by two threads gives.
+    fn swept(forms: &[Form], is_over: fn() -> bool, progress: impl FnMut()) -> SweepReport {
+        let device = Device::open(&DeviceChoice::Native(2));
+        let device = device.unwrap_or_else(|error| panic!("{error}"));
+        let (scene, sources) = (scenes::arcade(), sources());
+        let setup = Setup {
+            scene: &scene,
+            material: MODEL,
+            sources: &sources,
+            settings: RenderSettings::new(8, 8, &scene.cameras[0]),
+            spp: 2,
+            runs: 1,
+            ao_rays: &[1],
+            forms,
+            statistics_device: None,
+            is_over,
+        };
+        sweep(&device, &setup, Sweep::Bounces, progress)
+    }
+
+    #[test]
+    fn what_ends_a_sweep_is_told_beside_the_points_before() {
+        let ended = swept(&[Form::Stack], || true, || ());
+        assert_eq!(ended.ended.as_deref(), Some(INTERRUPTED));
+        assert!(ended.points.is_empty());
+        // Not the processor's.
+        let failed = swept(&[Form::RayQuery], || false, || ());
+        let reason = failed.ended.unwrap_or_default();
+        assert!(reason.contains("ray queries"), "{reason}");
+        // Gray and rust are rendered twice for each value.
+        static RENDERS: AtomicUsize = AtomicUsize::new(0);
+        let later = swept(
+            &[Form::Stack],
+            || RENDERS.load(Ordering::Relaxed) > 4,
+            || {
+                RENDERS.fetch_add(1, Ordering::Relaxed);
+            },
+        );
+        assert_eq!(later.ended.as_deref(), Some(INTERRUPTED));
+        assert_eq!(later.points.len(), 1);
     }
 
     #[test]

@@ -48,6 +48,8 @@ pub struct Setup<'a> {
     pub forms: &'a [Form],
     /// The driver that is asked about kernels: see [`Inspection::new`].
     pub statistics_device: Option<&'a str>,
+    /// Asked again and again by [`crate::sweeps::sweep`] whether to end with what there is. [`compare`] has nothing before its end.
+    pub is_over: fn() -> bool,
 }
 
 /// A row of the comparison.
@@ -151,7 +153,7 @@ pub fn compare(
         TexturedCase::all(setup.ao_rays).map(textured).collect()
     })?;
     let mut cases: Vec<&mut Case> = all.iter_mut().map(|s| &mut s.case).collect();
-    in_turn::run(&mut cases, setup.spp, setup.runs, &mut progress)?;
+    in_turn::run(&mut cases, setup.spp, setup.runs, || false, &mut progress)?;
     same_pictures(&all)?;
     let inspection = Inspection::new(device, setup.statistics_device);
     let mut measured = Vec::new();

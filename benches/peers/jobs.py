@@ -47,6 +47,8 @@ class Job:
     """Radiance from all directions, linear Rec.709, W/(m2 sr)."""
     patina: str = "patina"
     """The program of that name."""
+    build: str = ""
+    """Which build of it that is, in its own jobs: another one is another job."""
     material: str = "model"
     """`textures`: what is gray, rusty and scratched in turn."""
     ao_samples: tuple = (4, 16)

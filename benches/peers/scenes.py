@@ -104,7 +104,9 @@ def main():
         gltf.write(scene, file)
         entry = Listed(name, task, str(file), triangles=scene.triangle_count(), **more)
         listed.append(dataclasses.asdict(entry))
-    write_json(arguments.out / "scenes.json", {"scenes": listed, "skipped": skipped})
+    # By which it is known whether they are to be written anew.
+    origin = {"scenes": str(arguments.scenes), "reference": str(arguments.reference)}
+    write_json(arguments.out / "scenes.json", {"scenes": listed, "skipped": skipped, "origin": origin})
 
 
 if __name__ == "__main__":

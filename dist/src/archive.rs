@@ -173,6 +173,48 @@ mod tests {
         }
     }
 
+    /// Links of the README and of `docs` to what isn't in a folder.
+    fn broken_links(root: &Path) -> Vec<String> {
+        let docs = fs::read_dir(root.join("docs")).expect("it is packed");
+        let docs = docs.map(|entry| entry.expect("an entry").path());
+        let pages = docs.filter(|path| path.extension().is_some_and(|e| e == "md"));
+        let mut broken = Vec::new();
+        for page in pages.chain([root.join("README.md")]) {
+            let text = fs::read_to_string(&page).expect("it is packed");
+            let links = text
+                .split("](")
+                .skip(1)
+                .filter_map(|rest| rest.split([')', '#']).next());
+            for link in links.filter(|link| !link.is_empty() && !link.contains("://")) {
+                let target = page.parent().expect("a folder").join(link);
+                if !target.exists() {
+                    broken.push(format!("{}: {link}", page.display()));
+                }
+            }
+        }
+        broken
+    }
+
+    #[test]
+    fn links_of_the_docs_lead_to_what_is_packed() {
+        // As in the archive, without a program.
+        let folder = tempfile::tempdir().expect("a folder");
+        let mut files = BTreeMap::new();
+        for file in FILES {
+            files.insert(PathBuf::from(file), Content::File(root().join(file)));
+        }
+        for folder in FOLDERS {
+            add(&root().join(folder), Path::new(folder), &mut files).expect("it is there");
+        }
+        for name in files.keys() {
+            let path = folder.path().join(name);
+            fs::create_dir_all(path.parent().expect("a folder")).expect("it can be made");
+            fs::copy(root().join(name), path).expect("it can be copied");
+        }
+        let broken = broken_links(folder.path());
+        assert!(broken.is_empty(), "{}", broken.join("\n"));
+    }
+
     #[test]
     fn the_packed_program_renders_the_example_scene_wherever_it_is_unpacked() {
         let Some(built) = program() else {
@@ -208,14 +250,8 @@ mod tests {
         ] {
             assert!(root.join(file).is_file(), "{file}");
         }
-        let readme = fs::read_to_string(root.join("README.md")).expect("it is packed");
-        let links = readme
-            .split("](")
-            .skip(1)
-            .filter_map(|rest| rest.split([')', '#']).next());
-        for link in links.filter(|link| !link.is_empty() && !link.contains("://")) {
-            assert!(root.join(link).exists(), "{link}");
-        }
+        let broken = broken_links(&root);
+        assert!(broken.is_empty(), "{}", broken.join("\n"));
         let program = root.join(built.file_name().expect("a name"));
         let list = run(&program, empty.path(), "texture list").expect("textures");
         assert!(list.contains("rust_mask -> f32  (built in)"), "{list}");

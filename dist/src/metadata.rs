@@ -110,6 +110,17 @@ impl Metadata {
     /// # Errors
     /// There is no such program.
     pub(crate) fn linked(&self, program: &str) -> Result<Vec<&Package>> {
+        let mut linked = self.reached(program)?;
+        linked.retain(|package| !self.is_member(package));
+        linked.sort_by(|a, b| (&a.name, &a.version).cmp(&(&b.name, &b.version)));
+        Ok(linked)
+    }
+
+    /// All packages whose code is in a program of this workspace, its own among them.
+    ///
+    /// # Errors
+    /// There is no such program.
+    fn reached(&self, program: &str) -> Result<Vec<&Package>> {
         let by_id: HashMap<&str, &Package> =
             self.packages.iter().map(|p| (p.id.as_str(), p)).collect();
         let nodes: HashMap<&str, &Node> = self
@@ -131,10 +142,8 @@ impl Metadata {
                 }
             }
         }
-        let linked = seen.iter().filter_map(|id| by_id.get(id).copied());
-        let mut linked: Vec<_> = linked.filter(|p| !self.is_member(p)).collect();
-        linked.sort_by(|a, b| (&a.name, &a.version).cmp(&(&b.name, &b.version)));
-        Ok(linked)
+        let reached = seen.iter().filter_map(|id| by_id.get(id).copied());
+        Ok(reached.collect())
     }
 }
 
@@ -156,4 +165,31 @@ fn cargo(root: &Path) -> Command {
     let mut command = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     command.current_dir(root);
     command
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::root;
+
+    #[test]
+    fn reports_see_changes_of_all_that_the_program_is_made_of() {
+        let metadata = Metadata::read(root(), None).expect("Cargo knows its packages");
+        let build = std::fs::read_to_string(root().join("build.rs")).expect("it is there");
+        let reached = metadata.reached("patina").expect("there is one");
+        let own = reached.iter().filter(|package| metadata.is_member(package));
+        let folders = own.filter_map(|package| {
+            let folder = package.manifest_path.parent()?.strip_prefix(root()).ok()?;
+            Some(folder.display().to_string())
+        });
+        // The program itself lies in none.
+        let folders: Vec<String> = folders.filter(|folder| !folder.is_empty()).collect();
+        assert!(folders.len() > 5, "{folders:?}");
+        for folder in folders {
+            assert!(build.contains(&format!("    {folder:?},")), "{folder}");
+            let has_script = root().join(&folder).join("build.rs").is_file();
+            let script = format!("{folder}/build.rs");
+            assert!(!has_script || build.contains(&script), "{script}");
+        }
+    }
 }

@@ -12,7 +12,7 @@ const PATH_FIELDS: u64 = 6;
 /// Words of the fields that follow where the film keeps parts of the light apart: `SPLIT_FIELDS` of `paths.wgsl`.
 pub const SPLIT_WORDS: u32 = 12;
 /// Words of the fields before those where caches of light or photons want to know of surfaces: `shared/left.wgsl`.
-pub const LEFT_WORDS: u32 = 12;
+pub const LEFT_WORDS: u32 = 16;
 /// Words of the fields behind those where there are both: `GIVEN_FIELDS` of `paths.wgsl`.
 pub const GIVEN_WORDS: u32 = 12;
 /// Words of the fields behind the results that a path has for photons: `photons/settings.wgsl`.

@@ -16,7 +16,7 @@ pub mod seeds;
 mod wgsl;
 
 use std::path::{Path, PathBuf};
-use std::sync::OnceLock;
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
 use mutate::Random;
 use texgen::Diagnostics;
@@ -108,14 +108,45 @@ fn root() -> &'static Path {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/.."))
 }
 
-/// This process's folder for inputs that have to be files.
-fn scratch() -> &'static Path {
-    static FOLDER: OnceLock<PathBuf> = OnceLock::new();
-    FOLDER.get_or_init(|| {
-        let folder = std::env::temp_dir().join(format!("patina-fuzzing-{}", std::process::id()));
-        std::fs::create_dir_all(&folder).expect("the temporary folder can be written to");
-        folder
-    })
+/// While there is one, this process's folder for inputs that have to be files stays; the last one takes it away.
+#[derive(Debug)]
+pub struct Scratch(());
+
+impl Scratch {
+    /// One more.
+    pub fn hold() -> Self {
+        *Self::held() += 1;
+        Self(())
+    }
+
+    /// How many there are.
+    fn held() -> MutexGuard<'static, usize> {
+        static HELD: Mutex<usize> = Mutex::new(0);
+        HELD.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Where the folder is, if it is there.
+    pub fn folder() -> PathBuf {
+        std::env::temp_dir().join(format!("patina-fuzzing-{}", std::process::id()))
+    }
+}
+
+impl Drop for Scratch {
+    fn drop(&mut self) {
+        let mut held = Self::held();
+        *held -= 1;
+        if *held == 0 {
+            // It may never have been made.
+            let _ = std::fs::remove_dir_all(Self::folder());
+        }
+    }
+}
+
+/// That folder, which is made where it isn't there.
+fn scratch() -> PathBuf {
+    let folder = Scratch::folder();
+    std::fs::create_dir_all(&folder).expect("the temporary folder can be written to");
+    folder
 }
 
 /// Writes an input as a file.

@@ -2,7 +2,6 @@
 
 use std::path::PathBuf;
 use std::str;
-use std::sync::OnceLock;
 
 use engine::load;
 use engine::scene::look::{Look, LookDocument};
@@ -57,15 +56,17 @@ pub(crate) fn run(data: &[u8]) -> bool {
     })
 }
 
+/// The file of the scene, which is written anew where the folder has been taken away.
 fn scene() -> PathBuf {
-    static SCENE: OnceLock<PathBuf> = OnceLock::new();
-    let write = || {
-        let mut tree = seeds::triangle();
-        tree["materials"] = MATERIALS
-            .iter()
-            .map(|name| json!({ "name": name }))
-            .collect();
-        file("under-a-look.gltf", tree.to_string().as_bytes())
-    };
-    SCENE.get_or_init(write).clone()
+    const NAME: &str = "under-a-look.gltf";
+    let path = scratch().join(NAME);
+    if path.is_file() {
+        return path;
+    }
+    let mut tree = seeds::triangle();
+    tree["materials"] = MATERIALS
+        .iter()
+        .map(|name| json!({ "name": name }))
+        .collect();
+    file(NAME, tree.to_string().as_bytes())
 }

@@ -7,8 +7,8 @@ use std::sync::mpsc::{self, RecvTimeoutError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use crate::Target;
 use crate::mutate::Random;
+use crate::{Scratch, Target};
 
 /// No input may take longer; the slowest take a second, but a machine may be busy.
 const TIME_LIMIT: Duration = Duration::from_secs(60);
@@ -39,15 +39,18 @@ pub fn input(target: &Target, seeds: &[Vec<u8>], number: u64) -> Vec<u8> {
     data
 }
 
-/// Tries the inputs of the numbers from `first` on until there are enough of them or the time is over.
+/// Tries the inputs of the numbers from `first` on until there are enough of them or the time is over. Files that targets write are
+/// gone then.
 ///
 /// # Panics
 /// One of them fails or takes too long: it is written to the temporary folder, and the panic names the file.
 pub fn run(target: &Target, first: u64, most: u64, budget: Duration) -> Tried {
     let (sender, receiver) = mpsc::channel();
     let target = *target;
+    let _scratch = Scratch::hold();
     // A thread of its own, since one that hangs can't be ended.
     let worker = thread::spawn(move || {
+        let _scratch = Scratch::hold();
         let seeds = (target.seeds)();
         let start = Instant::now();
         for number in first..first.saturating_add(most) {

@@ -4,15 +4,16 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 use fuzzing::memory::Counting;
-use fuzzing::{FILM, GLTF, LOOK, PANORAMA, RENDER, Target, WGSL, run};
+use fuzzing::{FILM, GLTF, LOOK, PANORAMA, RENDER, Scratch, Target, WGSL, run};
 
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
+/// One after the other, because memory is counted, and files are taken away, for the whole process.
+static ALONE: Mutex<()> = Mutex::new(());
+
 /// Tries up to `most` inputs; fewer where a machine needs more than some seconds for them.
 fn bounded(target: Target, most: u64, seconds: u64) {
-    // One after the other, because memory is counted for the whole process.
-    static ALONE: Mutex<()> = Mutex::new(());
     let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
     let (budget, most) = match std::env::var_os("PATINA_FULL").is_some() {
         true => (Duration::from_secs(15 * seconds), 100 * most),
@@ -20,6 +21,8 @@ fn bounded(target: Target, most: u64, seconds: u64) {
     };
     let tried = run::run(&target, 0, most, budget);
     eprintln!("{}: {tried:?}", target.name);
+    let folder = Scratch::folder();
+    assert!(!folder.exists(), "{} is left behind", folder.display());
     let is_skipped = target.name == RENDER.name && tried.accepted == 0;
     assert!(
         is_skipped || tried.accepted * 20 > tried.inputs,
@@ -70,6 +73,7 @@ fn an_input_that_fails_is_kept() {
         seeds: || vec![b"good".to_vec(), b"bad".to_vec()],
         mutate: |data, _| data.to_vec(),
     };
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
     let failed = std::panic::catch_unwind(|| run::run(&target, 0, 10, Duration::from_secs(60)));
     let panic = failed.expect_err("the second input fails");
     let message = panic.downcast_ref::<String>().expect("a message");

@@ -1,5 +1,6 @@
 //! What the parts of the panel see while they are shown, and what they want done.
 
+use std::collections::HashSet;
 use std::sync::LazyLock;
 
 use egui::{Color32, Rect, Response, Ui, pos2};
@@ -16,13 +17,11 @@ use crate::widgets::{Browser, ImageSlot, row_menu};
 
 /// Those of the scene, then those that only the look has.
 pub(crate) fn material_names(document: &Document, scene: SceneView<'_>) -> Vec<String> {
-    let mut names: Vec<String> = own_names(scene).map(str::to_owned).collect();
-    for material in &document.look().materials {
-        if !names.contains(&material.name.value) {
-            names.push(material.name.value.clone());
-        }
-    }
-    names
+    let own: HashSet<&str> = own_names(scene).collect();
+    let tables = document.look().materials.iter();
+    let of_look = tables.map(|material| material.name.value.as_str());
+    let added = of_look.filter(|name| !own.contains(name));
+    own_names(scene).chain(added).map(str::to_owned).collect()
 }
 
 /// Materials of the scene's files.
@@ -55,6 +54,8 @@ pub(crate) struct Context<'a> {
     pub(crate) model: &'a Model,
     pub(crate) textures: &'a Textures,
     pub(crate) scene: SceneView<'a>,
+    /// Materials of the scene, then those that only the look has.
+    pub(crate) names: &'a [String],
     pub(crate) images: &'a mut ImageSlot,
     pub(crate) browser: &'a mut Browser,
     pub(crate) previews: Option<&'a mut Previews>,
@@ -193,11 +194,6 @@ impl<'a> Context<'a> {
             ui.interact(place, id, egui::Sense::hover())
                 .on_hover_text(error);
         }
-    }
-
-    /// Those of the scene, then those that only the look has.
-    pub(crate) fn material_names(&self) -> Vec<String> {
-        material_names(self.document, self.scene)
     }
 
     /// A material as it is shown. One that has only just been added is not known to the scene yet.

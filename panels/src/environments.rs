@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use egui::{Id, Ui, vec2};
 use engine::scene::look::{Section, Value};
-use engine::session::Edit;
+use engine::session::{Document, Edit};
 
 use crate::context::Context;
 use crate::widgets::{menu, name, scrolled};
@@ -29,7 +29,8 @@ pub(crate) fn picker(ui: &mut Ui, cx: &mut Context<'_>, text: &str) {
         scrolled(ui, |ui| {
             for path in &found {
                 if entry(ui, cx, path, &folder) {
-                    cx.edit("environment: a picture", chosen(cx, path, &folder), None);
+                    let edits = surround_with(cx.document, &written(path, &folder));
+                    cx.edit("environment: a picture", edits, None);
                     ui.close();
                 }
             }
@@ -69,16 +70,17 @@ fn written(path: &Path, folder: &Path) -> String {
     relative.to_string_lossy().replace('\\', "/")
 }
 
-/// What makes it the environment; turn and intensity stay.
-fn chosen(cx: &Context<'_>, path: &Path, folder: &Path) -> Vec<Edit> {
+/// Edits by which a picture, named as the look names it, is the environment in place of whatever light there was. What is said of it
+/// beside that stays: intensity, turn and group.
+pub fn surround_with(document: &Document, picture: &str) -> Vec<Edit> {
     let section = Section::Environment;
     let others = ["color", "sky"].into_iter();
-    let others = others.filter(|key| cx.document.value(&section, key).is_some());
+    let others = others.filter(|key| document.value(&section, key).is_some());
     let clear = others.map(|key| Edit::Clear {
         section: Section::Environment,
         key: key.to_owned(),
     });
-    let image = Edit::environment("image", Value::Text(written(path, folder)));
+    let image = Edit::environment("image", Value::Text(picture.to_owned()));
     clear.chain([image]).collect()
 }
 

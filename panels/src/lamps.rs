@@ -11,7 +11,7 @@ use texgen::Widget;
 
 use crate::context::Context;
 use crate::scene_view::{Placing, SceneView};
-use crate::widgets::{Bounds, Spec, draft, edit, menu, name, row};
+use crate::widgets::{Bounds, Spec, draft, edit_steady, menu, name, row};
 
 /// With more lights than that each is folded at first.
 const MAX_OPEN: usize = 3;
@@ -313,8 +313,11 @@ fn value_row(
     spec: &Spec<'_>,
     value: &texgen::Value,
 ) {
-    let is_set = cx.document.value(&lamp.section(), key).is_some();
-    let (whole, edited) = row(ui, label, help, is_set, |ui| edit(ui, spec, value));
+    let written_value = cx.document.value(&lamp.section(), key);
+    let is_set = written_value.is_some();
+    let (whole, edited) = row(ui, label, help, is_set, |ui| {
+        edit_steady(ui, spec, value, written_value.as_ref())
+    });
     if let Some(value) = &edited.value {
         let edit = Edit::set(lamp.section(), key, written(value));
         cx.edit(&spec.name, vec![edit], Some(&edited.response));

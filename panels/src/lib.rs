@@ -40,6 +40,7 @@ mod textures;
 mod view;
 mod widgets;
 
+pub use environments::surround_with;
 pub use lamps::place_light;
 pub use model_image::ModelImage;
 pub use panel::{Form, TexturesPanel};
@@ -50,5 +51,5 @@ pub use scene_view::{Placing, SceneView};
 pub use textures::Textures;
 pub use widgets::{
     Answer, Browser, Choice, FileDialogs, FileRequest, Purpose, asks_for_menu, keyboard_is_used,
-    named_from, show_focus,
+    named_from, number_field, show_focus,
 };

@@ -8,7 +8,7 @@ use texgen::Widget;
 use crate::context::Context;
 use crate::environments::picker;
 use crate::widgets::{
-    Bounds, FileRequest, Purpose, Spec, choice, draft, edit, name, named_from, row,
+    Bounds, FileRequest, Purpose, Spec, choice, draft, edit_steady, name, named_from, row,
 };
 
 /// A number of the environment: key, label, slider, bounds, unit, and what it is without the key.
@@ -108,8 +108,8 @@ pub(crate) fn environment(ui: &mut Ui, cx: &mut Context<'_>) {
 }
 
 fn environment_color(ui: &mut Ui, cx: &mut Context<'_>) {
-    let shown = cx.document.value(&Section::Environment, "color");
-    let shown = shown.and_then(|value| color(&value).ok());
+    let written_value = cx.document.value(&Section::Environment, "color");
+    let shown = (written_value.as_ref()).and_then(|value| color(&value.at(0.0)).ok());
     let label = "Environment colour";
     let spec = Spec {
         name: label.to_owned(),
@@ -127,7 +127,7 @@ fn environment_color(ui: &mut Ui, cx: &mut Context<'_>) {
         "Colour",
         "linear radiance from everywhere",
         true,
-        |ui| edit(ui, &spec, &value),
+        |ui| edit_steady(ui, &spec, &value, written_value.as_ref()),
     );
     if let Some(value) = &edited.value {
         let edit = Edit::environment("color", written(value));
@@ -154,7 +154,7 @@ fn environment_image(ui: &mut Ui, cx: &mut Context<'_>) {
 
 fn environment_number(ui: &mut Ui, cx: &mut Context<'_>, number: &Number) {
     let written_value = cx.document.value(&Section::Environment, number.key);
-    let shown = written_value.as_ref().and_then(Value::as_number);
+    let shown = (written_value.as_ref()).and_then(|value| value.at(0.0).as_number());
     let label = format!("{} of the environment", number.label);
     let spec = Spec {
         name: label.clone(),
@@ -168,7 +168,9 @@ fn environment_number(ui: &mut Ui, cx: &mut Context<'_>, number: &Number) {
     };
     let value = texgen::Value::F32(shown.map_or(number.otherwise, |x| x as f32));
     let is_set = written_value.is_some();
-    let (whole, edited) = row(ui, number.label, "", is_set, |ui| edit(ui, &spec, &value));
+    let (whole, edited) = row(ui, number.label, "", is_set, |ui| {
+        edit_steady(ui, &spec, &value, written_value.as_ref())
+    });
     if let Some(value) = &edited.value {
         let edit = Edit::environment(number.key, written(value));
         cx.edit(&label, vec![edit], Some(&edited.response));
@@ -313,8 +315,11 @@ fn occlusion_table(ui: &mut Ui, cx: &mut Context<'_>, table: &AoLook) {
             unit,
             widget,
         };
-        let is_set = cx.document.value(&section(), key).is_some();
-        let (whole, edited) = row(ui, label, help, is_set, |ui| edit(ui, &spec, &value));
+        let written_value = cx.document.value(&section(), key);
+        let is_set = written_value.is_some();
+        let (whole, edited) = row(ui, label, help, is_set, |ui| {
+            edit_steady(ui, &spec, &value, written_value.as_ref())
+        });
         if let Some(value) = &edited.value {
             let edit = Edit::set(section(), key, written(value));
             cx.edit(&full, vec![edit], Some(&edited.response));

@@ -13,7 +13,7 @@ use crate::maps::maps;
 use crate::material::{InLook as _, Key, PARAMETERS, Takes};
 use crate::model::Target;
 use crate::pictures::{DraggedMaterial, take_material};
-use crate::widgets::{Bounds, Edited, Spec, choice, draft, edit, menu, name, row, scrolled};
+use crate::widgets::{Bounds, Edited, Spec, choice, draft, edit_steady, menu, name, row, scrolled};
 
 /// Points that the list of all materials takes at most.
 const ALL_MATERIALS: f32 = 160.0;
@@ -64,7 +64,7 @@ pub(crate) fn material(ui: &mut Ui, cx: &mut Context<'_>, material: &str) {
 
 /// All materials, to be shown by a click, and to be dragged onto each other and onto the model.
 pub(crate) fn materials(ui: &mut Ui, cx: &mut Context<'_>, shown: Option<&str>) {
-    let names = cx.material_names();
+    let names = cx.names;
     if names.len() < 2 {
         return;
     }
@@ -72,7 +72,7 @@ pub(crate) fn materials(ui: &mut Ui, cx: &mut Context<'_>, shown: Option<&str>) 
     header.show(ui, |ui| {
         let area = ScrollArea::vertical().max_height(ALL_MATERIALS);
         area.show(ui, |ui| {
-            for material in &names {
+            for material in names {
                 let is_shown = shown == Some(material);
                 let row = Button::selectable(is_shown, material).sense(Sense::click_and_drag());
                 let row = ui.add(row);
@@ -91,7 +91,7 @@ pub(crate) fn materials(ui: &mut Ui, cx: &mut Context<'_>, shown: Option<&str>) 
 
 /// By which a material is dragged onto the model, where there is another one to be had by it.
 fn handle(ui: &mut Ui, cx: &Context<'_>, material: &str) {
-    if cx.material_names().len() < 2 {
+    if cx.names.len() < 2 {
         return;
     }
     let id = ui.scope_id().with(("drag", material));
@@ -107,13 +107,13 @@ fn blend(ui: &mut Ui, cx: &mut Context<'_>, material: &str) {
         let label = format!("Blend {material} with another material");
         let button = menu(ui, "Blend with…", |ui| {
             scrolled(ui, |ui| {
-                for other in cx.material_names() {
+                for other in cx.names {
                     // A material of which this one is a part would close a circle.
-                    if cx.model.is_made_of(&other, material) {
+                    if cx.model.is_made_of(other, material) {
                         continue;
                     }
-                    if ui.button(&other).clicked() {
-                        let edits = edits::make_blend(material, &other);
+                    if ui.button(other).clicked() {
+                        let edits = edits::make_blend(material, other);
                         cx.edit("blend", edits, None);
                         ui.close();
                     }
@@ -127,7 +127,7 @@ fn blend(ui: &mut Ui, cx: &mut Context<'_>, material: &str) {
     };
     let (base, over) = (base.to_owned(), over.to_owned());
     for (side, key, chosen) in [("Base", "blend.base", &base), ("Over", "blend.over", &over)] {
-        let names = cx.material_names();
+        let names = cx.names;
         let fits = |other: &&String| {
             let is_itself = key == "blend.base" && other.as_str() == material;
             is_itself || !cx.model.is_made_of(other, material)
@@ -156,12 +156,12 @@ fn blend(ui: &mut Ui, cx: &mut Context<'_>, material: &str) {
     };
     let label = format!("Mask of {material}");
     let help = "where it is 1, the upper material is shown, where it is 0 the base";
-    let constant = cx.document.value(&section(), "blend.mask");
-    let constant = constant.and_then(|value| value.as_number());
+    let written_value = cx.document.value(&section(), "blend.mask");
+    let constant = (written_value.as_ref()).and_then(|value| value.at(0.0).as_number());
     let spec = share(&label);
     driven(ui, cx, &target, "Mask", help, true, |ui, cx| {
         let shown = texgen::Value::F32(constant.unwrap_or(0.0) as f32);
-        let edited = edit(ui, &spec, &shown);
+        let edited = edit_steady(ui, &spec, &shown, written_value.as_ref());
         if let Some(value) = &edited.value {
             let edit = Edit::set(section(), "blend.mask", written(value));
             cx.edit(&label, vec![edit], Some(&edited.response));
@@ -185,7 +185,7 @@ fn new_material(ui: &mut Ui, cx: &mut Context<'_>, material: &str) {
         return;
     };
     let new = new.trim();
-    if new.is_empty() || cx.material_names().iter().any(|other| other == new) {
+    if new.is_empty() || cx.names.iter().any(|other| other == new) {
         let why = format!("there is a material called `{new}` already");
         cx.edit_if("blend", Err(why));
     } else {
@@ -215,7 +215,7 @@ fn material_key(ui: &mut Ui, cx: &mut Context<'_>, material: &str, key: &Key) {
     let label = format!("{} of {material}", key.label);
     let constant = match &written_value {
         Some(value) if !matches!(value, Value::Text(text) if !text.starts_with('#') && key.output().is_some()) => {
-            Some(value.clone())
+            Some(value.at(0.0))
         }
         _ => key.written(cx.scene_material(material)),
     };
@@ -240,7 +240,8 @@ fn material_key(ui: &mut Ui, cx: &mut Context<'_>, material: &str, key: &Key) {
             name(&response, &label);
             return response;
         };
-        let Edited { response, value } = edit(ui, &spec_of(key, &label), &shown);
+        let (spec, written_value) = (spec_of(key, &label), written_value.as_ref());
+        let Edited { response, value } = edit_steady(ui, &spec, &shown, written_value);
         if let Some(value) = value {
             set(cx, written(&value), Some(&response));
         }

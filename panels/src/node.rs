@@ -9,7 +9,7 @@ use crate::context::Context;
 use crate::edits;
 use crate::links::driven;
 use crate::model::Target;
-use crate::widgets::{Edited, Spec, choice, draft, edit, image_slot, name, row};
+use crate::widgets::{Edited, Spec, choice, draft, edit_steady, image_slot, name, row};
 
 /// A node: its texture's parameters.
 pub(crate) fn node(ui: &mut Ui, cx: &mut Context<'_>, node: &str, is_open: bool) {
@@ -123,7 +123,8 @@ pub(crate) fn node_parameter(ui: &mut Ui, cx: &mut Context<'_>, node: &str, para
             }
             Some(value) => {
                 let spec = Spec::of(parameter, full.clone());
-                let Edited { response, value } = edit(ui, &spec, value);
+                let written_value = written_value.as_ref();
+                let Edited { response, value } = edit_steady(ui, &spec, value, written_value);
                 let value = value.as_ref().map(written);
                 Edited { response, value }
             }

@@ -207,11 +207,13 @@ impl TexturesPanel {
         show: impl FnOnce(&mut Context<'_>, Parts<'_>),
     ) {
         let model = self.model(document, textures);
+        let names = material_names(document, scene);
         let mut cx = Context {
             document,
             model: &model,
             textures,
             scene,
+            names: &names,
             images: &mut self.images,
             browser: &mut self.browser,
             previews: self.previews.as_mut(),
@@ -350,9 +352,10 @@ fn history_button(ui: &mut Ui, text: &str, label: Option<&str>) -> bool {
     clicked
 }
 
-/// Undo and redo by keys, unless a text is being written, which has an undo of its own.
+/// Undo and redo by keys, unless a text is being written, which has an undo of its own, or a question lies over the panel.
 fn shortcuts(ui: &mut Ui, document: &mut Document) {
-    if ui.text_edit_focused() {
+    let layer = ui.layer_id();
+    if ui.text_edit_focused() || !ui.memory(|memory| memory.allows_interaction(layer)) {
         return;
     }
     let again = Modifiers::COMMAND | Modifiers::SHIFT;

@@ -7,7 +7,7 @@ use engine::session::{Edit, written};
 use texgen::Widget;
 
 use crate::context::Context;
-use crate::widgets::{Bounds, Spec, choice, edit, row};
+use crate::widgets::{Bounds, Spec, choice, edit_steady, row};
 
 /// Exposure, white balance and view transform.
 pub(crate) fn view(ui: &mut Ui, cx: &mut Context<'_>) {
@@ -53,8 +53,9 @@ fn exposure(ui: &mut Ui, cx: &mut Context<'_>) {
     };
     let value = texgen::Value::F32(shown.unwrap_or(0.0));
     let help = "brightness in stops";
+    let written_value = cx.document.value(&Section::View, "exposure");
     let (whole, edited) = row(ui, "Exposure", help, shown.is_some(), |ui| {
-        edit(ui, &spec, &value)
+        edit_steady(ui, &spec, &value, written_value.as_ref())
     });
     if let Some(value) = &edited.value {
         let edit = Edit::view("exposure", written(value));
@@ -66,6 +67,7 @@ fn exposure(ui: &mut Ui, cx: &mut Context<'_>) {
 fn white_balance(ui: &mut Ui, cx: &mut Context<'_>) {
     let shown = cx.document.look().view.white_balance;
     let is_set = shown.is_some();
+    let written_value = cx.document.value(&Section::View, "white_balance");
     let WhiteBalance { temperature, tint } = shown.unwrap_or_default();
     for (label, help, number, range, unit) in [
         (
@@ -96,7 +98,9 @@ fn white_balance(ui: &mut Ui, cx: &mut Context<'_>) {
             widget: Widget::Plain,
         };
         let value = texgen::Value::F32(number);
-        let (whole, edited) = row(ui, label, help, is_set, |ui| edit(ui, &spec, &value));
+        let (whole, edited) = row(ui, label, help, is_set, |ui| {
+            edit_steady(ui, &spec, &value, written_value.as_ref())
+        });
         if let Some(texgen::Value::F32(number)) = edited.value {
             let pair = match label {
                 "Tint" => [temperature, number],

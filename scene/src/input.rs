@@ -40,6 +40,11 @@ pub trait Files: Debug + Send + Sync {
     /// It can't be written; what was there is untouched then.
     fn write(&self, path: &Path, bytes: &[u8]) -> io::Result<()>;
 
+    /// Whether somebody has said that the file at a path is not to be changed. To write may be possible all the same.
+    fn is_read_only(&self, _path: &Path) -> bool {
+        false
+    }
+
     /// What tells a file from all others: its path, where it has one name only.
     fn id(&self, path: &Path) -> FileId {
         FileId::named(path)
@@ -73,8 +78,20 @@ impl Files for Disk {
         aside::replace(path, |file| file.write_all(bytes))
     }
 
+    fn is_read_only(&self, path: &Path) -> bool {
+        std::fs::metadata(path).is_ok_and(|meta| meta.permissions().readonly())
+    }
+
     fn id(&self, path: &Path) -> FileId {
         FileId::of(path)
+    }
+}
+
+/// What to do where a file can't be read, to stand behind the reason; nothing where that is one of ours and tells it.
+pub fn remedy(error: &io::Error) -> &'static str {
+    match error.get_ref() {
+        Some(_) => "",
+        None => "; check the path and the permissions",
     }
 }
 
@@ -229,12 +246,11 @@ mod tests {
         );
         assert!(read_text(&Disk, &path, 100).is_ok());
         std::fs::write(&path, [b'a', 0xFF]).expect("written");
-        assert!(
-            read_text(&Disk, &path, 100)
-                .expect_err("no text")
-                .to_string()
-                .contains("byte 1")
-        );
+        let error = read_text(&Disk, &path, 100).expect_err("no text");
+        assert!(error.to_string().contains("byte 1"));
+        assert_eq!(remedy(&error), "", "the path is right, and may be read");
+        let error = read(&folder.path().join("b"), 100).expect_err("not there");
+        assert!(remedy(&error).contains("check the path"));
     }
 
     #[cfg(unix)]
@@ -247,6 +263,7 @@ mod tests {
             .status();
         assert!(made.is_ok_and(|status| status.success()));
         std::os::unix::fs::symlink(at("pipe"), at("link")).expect("a link");
+        assert_eq!(remedy(&read(folder.path(), 1).expect_err("no file")), "");
         for (path, word) in [
             (at("pipe"), "pipe"),
             (at("link"), "pipe"),

@@ -7,6 +7,9 @@ use glam::{Vec3, Vec4};
 pub struct Material {
     /// Name in the file or the look; unique within the scene.
     pub name: String,
+    /// Name by which mattes have it, where that is another one: of the surface of a material that a look blends with itself, the
+    /// material's.
+    pub matte: Option<String>,
     /// Linear RGBA factor.
     pub base_color: Vec4,
     /// RGBA, sRGB-encoded colour.
@@ -133,6 +136,11 @@ pub const TEXTURES: [&str; 17] = [
 pub const SURFACE_TEXTURES: usize = 6;
 
 impl Material {
+    /// The name by which mattes have it.
+    pub fn matte_name(&self) -> &str {
+        self.matte.as_deref().unwrap_or(&self.name)
+    }
+
     /// Gives the body what it absorbs: white light has this linear colour after so many metres.
     pub fn attenuate(&mut self, color: Vec3, distance: f32) {
         self.attenuation_color = color;
@@ -192,6 +200,7 @@ impl Default for Material {
     fn default() -> Self {
         Self {
             name: String::new(),
+            matte: None,
             base_color: Vec4::ONE,
             base_color_texture: None,
             metallic: 1.0,

@@ -70,7 +70,7 @@ pub(crate) fn run(job: &BakeJob) -> Result<(), Failure> {
     let baker = Baker::new(&device, &loaded.scene, &loaded.procedural, moment)?;
     let settings = &job.fine.settings;
     let progress = &mut follow(&bar, "baking");
-    let overlap = match subject {
+    let (overlap, missed) = match subject {
         Subject::Material(material) => {
             let baked = baker.material(material, &target, settings, progress)?;
             bar.finish();
@@ -86,7 +86,7 @@ pub(crate) fn run(job: &BakeJob) -> Result<(), Failure> {
                     "`{key}` differs from place to place, which no picture of glTF can hold"
                 ));
             }
-            baked.overlap
+            (baked.overlap, baked.missed)
         }
         Subject::Node(source) => {
             let maps = baker.node(source, &target, settings, progress)?;
@@ -100,10 +100,11 @@ pub(crate) fn run(job: &BakeJob) -> Result<(), Failure> {
                 Format::Exr => write_floats(&job.output, maps.size, &rgba)?,
                 _ => write_bytes(&job.output, maps.size, &shown(&rgba, is_color))?,
             }
-            maps.overlap
+            (maps.overlap, maps.missed)
         }
     };
     warn_of_overlap(&layout.name, overlap);
+    warn_of_missed(&layout.name, missed);
     Ok(())
 }
 
@@ -134,6 +135,17 @@ pub(crate) fn warn_of_overlap(mesh: &str, overlap: f32) {
             "{:.0} % of mesh \"{mesh}\" has no place of its own on the picture, because its texture coordinates overlap or repeat: what is \
              shown there is from elsewhere; give each part its own place where the mesh was unwrapped",
             (100.0 * overlap).max(1.0)
+        ));
+    }
+}
+
+/// Says where a picture has nothing of the surface.
+fn warn_of_missed(mesh: &str, missed: f32) {
+    if missed > 1e-3 {
+        console::warning(&format!(
+            "{:.0} % of the surface of mesh \"{mesh}\" has no texel and shows what lies nearest; take a larger --size, or give it more of \
+             the picture where the mesh was unwrapped",
+            (100.0 * missed).max(1.0)
         ));
     }
 }

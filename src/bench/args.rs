@@ -352,7 +352,8 @@ pub(crate) struct RenderArgs {
 #[derive(Debug, Args)]
 pub(crate) struct EffortArgs {
     /// Samples (camera paths) per pixel of each run. Usually 16; for textures 16 without a GPU, 4 on a software
-    /// driver, 32 on a GPU; for methods, whose samples double until then, 1024 without a GPU, 16384 on one.
+    /// driver, 32 on a GPU, and 2 at least, as the error of a single one isn't known, by which pictures of several forms are held against each other; for
+    /// methods, whose samples double until then, 1024 without a GPU, 16384 on one, and 4 at least.
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     pub(crate) spp: Option<String>,
 

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use device::DeviceChoice;
 use patina_bench::forms::Form;
-use patina_bench::methods::How;
+use patina_bench::methods::{How, LEAST_SPP};
 use patina_bench::sweeps::Sweep;
 
 use crate::usage::UsageError;
@@ -19,6 +19,9 @@ use super::args::{
 
 /// Most timed runs of a scene.
 const MAX_RUNS: u32 = 1000;
+
+/// Fewest samples of a pixel where pictures of several forms are held against each other: a single one has no known error.
+const LEAST_COMPARED_SPP: u32 = 2;
 
 /// Longest side of a picture whose scaling is measured: 64 million pixels.
 const MOST_SCALED_SIDE: u32 = 8192;
@@ -275,6 +278,7 @@ impl MethodsJob {
         let written = args.outputs.iter().chain(&args.effort.json);
         refuse_overwriting(written, read.into_iter().flatten())?;
         let reports = args.outputs.into_iter().map(ReportFile::from_path);
+        let effort = Effort::from_args(args.effort, LEAST_SPP)?;
         Ok(Self {
             methods: parse_all(args.methods.iter(), |word| {
                 parse_word("--methods", word, How::ALL, How::name)
@@ -283,7 +287,7 @@ impl MethodsJob {
             exposure: parse_exposure(&args.exposure)?,
             minutes: parse_number("--minutes", &args.minutes, 1, MOST_MINUTES)?,
             reports: reports.collect::<Result<_, _>>()?,
-            effort: Effort::from_args(args.effort)?,
+            effort,
             scene: args.scene,
             look: args.look,
             reference: args.reference,
@@ -296,7 +300,7 @@ impl RenderJob {
         let read = args.scenes.iter().chain(&args.look);
         refuse_overwriting(args.effort.json.iter(), read)?;
         Ok(Self {
-            effort: Effort::from_args(args.effort)?,
+            effort: Effort::from_args(args.effort, 1)?,
             scenes: args.scenes,
             look: args.look,
         })
@@ -366,7 +370,7 @@ impl TexturesJob {
                 })?,
             },
             reports: reports.collect::<Result<_, _>>()?,
-            effort: Effort::from_args(args.effort)?,
+            effort: Effort::from_args(args.effort, LEAST_COMPARED_SPP)?,
             scene,
             look: args.look,
             statistics_device: args.statistics_device,
@@ -403,17 +407,18 @@ impl ReportFile {
 }
 
 impl Effort {
-    fn from_args(args: EffortArgs) -> Result<Self, UsageError> {
-        let number = |flag, given: &Option<String>, high| {
+    /// With so many samples per pixel at least.
+    fn from_args(args: EffortArgs, least_spp: u32) -> Result<Self, UsageError> {
+        let number = |flag, given: &Option<String>, low, high| {
             let given = given.as_deref();
             given
-                .map(|given| parse_number(flag, given, 1, high))
+                .map(|given| parse_number(flag, given, low, high))
                 .transpose()
         };
         Ok(Self {
-            spp: number("--spp", &args.spp, MAX_SPP)?,
+            spp: number("--spp", &args.spp, least_spp, MAX_SPP)?,
             size: args.size.as_deref().map(parse_size).transpose()?,
-            runs: number("--runs", &args.runs, MAX_RUNS)?,
+            runs: number("--runs", &args.runs, 1, MAX_RUNS)?,
             max_depth: parse_number("--max-depth", &args.max_depth, 1, MAX_DEPTH)?,
             json: args.json,
             texture_dirs: args.texture_dirs,
@@ -528,6 +533,8 @@ mod tests {
             ("scaling --threads 2,x", "--threads x"),
             ("scaling --minutes 0", "--minutes 0"),
             ("scaling -o scaling.txt", ".html"),
+            ("methods --spp 3", "from 4 to"),
+            ("textures --spp 1", "from 2 to"),
             ("textures --ao-rays 4,256", "--ao-rays 256"),
             ("textures --ao-rays -4", "from 1 to 255"),
             ("textures -o report.pdf", ".html"),

@@ -46,6 +46,8 @@ pub(super) fn run(job: &MethodsJob) -> Result<(), Failure> {
         job.look.as_deref(),
         &job.effort.texture_dirs,
     )?;
+    let compared: Vec<_> = job.reference.iter().cloned().collect();
+    output::check_all(&written, &compared)?;
     let bar = Bar::new("loading the scene");
     let prepared = Prepared::load_or_cornell_box(
         job.scene.as_deref(),

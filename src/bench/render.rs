@@ -2,13 +2,13 @@
 
 use device::Device;
 use engine::renderer::RenderSettings;
-use patina_bench::render::{self as bench, Workload};
+use patina_bench::render::{self as bench, Effort, Workload};
 use patina_bench::report::renders::RenderFigures;
 use patina_bench::scenes;
 
-use crate::console;
 use crate::failure::Failure;
 use crate::progress::Bar;
+use crate::{console, interrupt};
 
 use super::job::{Amount, RenderJob};
 use super::prepared::Prepared;
@@ -40,7 +40,7 @@ pub(super) fn run(job: &RenderJob) -> Result<(), Failure> {
     bar.stage("measuring");
     let device = Device::open(&job.effort.device).map_err(Failure::because)?;
     bar.follow(&device);
-    let amount = job.effort.amount(USUAL);
+    let mut amount = job.effort.amount(USUAL);
     let workloads: Vec<Workload<'_>> = prepared
         .iter()
         .map(|prepared| Workload {
@@ -54,8 +54,21 @@ pub(super) fn run(job: &RenderJob) -> Result<(), Failure> {
         })
         .collect();
     bar.count(workloads.len() as u64 * (u64::from(amount.runs) + 1));
-    let scenes = bench::render(&device, &workloads, amount.spp, amount.runs, |_| bar.step())
-        .map_err(Failure::because)?;
+    let effort = Effort {
+        spp: amount.spp,
+        runs: amount.runs,
+        is_over: interrupt::requested,
+    };
+    let rendered = bench::render(&device, &workloads, effort, |runs| {
+        if runs > 0 {
+            interrupt::has_results();
+        }
+        bar.step();
+    });
+    let (scenes, runs) = rendered.map_err(Failure::because)?;
+    interrupt::writes_results();
+    // Fewer where it was interrupted.
+    amount.runs = runs;
     bar.finish();
 
     let report = RenderFigures {
@@ -63,7 +76,11 @@ pub(super) fn run(job: &RenderJob) -> Result<(), Failure> {
         scenes,
     };
     console::print(&report.table());
-    report::write(&job.effort, &report)
+    report::write(&job.effort, &report)?;
+    match interrupt::requested() {
+        true => Err(Failure::Interrupted),
+        false => Ok(()),
+    }
 }
 
 fn prepare(job: &RenderJob, bar: &Bar) -> Result<Vec<Prepared>, Failure> {

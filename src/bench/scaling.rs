@@ -12,7 +12,7 @@ use patina_bench::scaling::{self as bench, Setup};
 
 use crate::failure::Failure;
 use crate::progress::Bar;
-use crate::{console, devices, output};
+use crate::{console, devices, interrupt, output};
 
 use super::job::{ReportFormat, ScalingJob};
 use super::prepared::Prepared;
@@ -59,10 +59,17 @@ pub(super) fn run(job: &ScalingJob) -> Result<(), Failure> {
         threads,
         runs: job.runs,
         limit: Duration::from_secs(60 * u64::from(job.minutes)),
+        is_over: interrupt::requested,
     };
     let processor = Device::open(&DeviceChoice::Native(most)).map_err(Failure::because)?;
-    let measured = bench::measure(&setup, |case| bar.stage(&format!("measuring: {case}")));
+    let measured = bench::measure(&setup, |case, report| {
+        if report.has_figures() {
+            interrupt::has_results();
+        }
+        bar.stage(&format!("measuring: {case}"));
+    });
     let measured = measured.map_err(Failure::because)?;
+    interrupt::writes_results();
     bar.finish();
 
     let figures = ScalingFigures {
@@ -88,7 +95,10 @@ pub(super) fn run(job: &ScalingJob) -> Result<(), Failure> {
             .map_err(Failure::because)?;
         console::note(&format!("wrote {}", report.path.display()));
     }
-    Ok(())
+    match interrupt::requested() {
+        true => Err(Failure::Interrupted),
+        false => Ok(()),
+    }
 }
 
 /// 1, 2, 4 and so on, and as many as there are.

@@ -3,7 +3,7 @@
 
 use std::io::Write as _;
 
-use device::{Device, DeviceOptions};
+use device::{Device, DeviceChoice, DeviceError, DeviceOptions};
 use engine::load;
 use engine::procedural::TextureSources;
 use engine::renderer::RenderSettings;
@@ -18,7 +18,7 @@ use patina_bench::{coverage, insert, sweeps};
 use crate::failure::Failure;
 use crate::output;
 use crate::progress::Bar;
-use crate::{console, library};
+use crate::{console, interrupt, library};
 
 use super::job::{Amount, Model, ReportFormat, TexturesJob};
 use super::report;
@@ -51,11 +51,12 @@ struct Prepared {
     camera: Camera,
 }
 
-/// Measures, prints a table for each number of AO rays and each sweep, and writes the reports.
+/// Measures, prints a table for each number of AO rays and each sweep, and writes the reports. A sweep that fails is told of in them,
+/// and in the end.
 ///
 /// # Errors
-/// A scene or look that can't be loaded, textures that are missing, no device, pictures that differ between the forms,
-/// a file that can't be written.
+/// A scene or look that can't be loaded, textures that are missing, no device, pictures that differ between the forms, a sweep
+/// that failed, a file that can't be written.
 pub(super) fn run(job: &TexturesJob) -> Result<(), Failure> {
     let reports = job.reports.iter().map(|report| &report.path);
     let written: Vec<_> = reports.chain(&job.effort.json).cloned().collect();
@@ -95,6 +96,7 @@ pub(super) fn run(job: &TexturesJob) -> Result<(), Failure> {
         ao_rays: &job.ao_rays,
         forms: &forms,
         statistics_device: job.statistics_device.as_deref(),
+        is_over: interrupt::requested,
     };
     bar.stage("measuring");
     let of_sweeps = job.sweeps.iter().map(|&what| sweeps::steps(&setup, what));
@@ -102,11 +104,13 @@ pub(super) fn run(job: &TexturesJob) -> Result<(), Failure> {
     let compared = bench::compare(&device, &setup, || bar.step()).map_err(Failure::because)?;
     let share = coverage::measure(&device, setup.scene, setup.material, &setup.settings);
     let coverage = share.map_err(Failure::because)?;
+    interrupt::has_results();
     let swept = job.sweeps.iter().map(|&what| {
         bar.stage(what.name());
-        sweeps::sweep(&device, &setup, what, || bar.step()).map_err(Failure::because)
+        sweeps::sweep(&device, &setup, what, || bar.step())
     });
-    let swept = swept.collect::<Result<Vec<_>, _>>()?;
+    let swept: Vec<_> = swept.collect();
+    interrupt::writes_results();
     bar.finish();
 
     let figures = Figures {
@@ -134,21 +138,57 @@ pub(super) fn run(job: &TexturesJob) -> Result<(), Failure> {
             .map_err(Failure::because)?;
         console::note(&format!("wrote {}", report.path.display()));
     }
-    Ok(())
+    if interrupt::requested() {
+        return Err(Failure::Interrupted);
+    }
+    let mut failed = figures.sweeps.iter().filter_map(|sweep| {
+        let reason = sweep.ended.as_ref()?;
+        Some(format!("the sweep `{}`: {reason}", sweep.sweep))
+    });
+    match failed.next() {
+        Some(failed) => Err(Failure::Failed(failed)),
+        None => Ok(()),
+    }
 }
 
 /// Opens the device. If no forms were named they are all of them, but on a software driver not the one that such drivers
 /// compile for minutes; that it is left out is said.
 fn open(job: &TexturesJob) -> Result<(Device, Vec<Form>, Option<Absent>), Failure> {
-    let device = &job.effort.device;
-    let open = |forms: &[Form]| match forms.contains(&Form::RayQuery) {
-        true => Device::open_with(&DeviceOptions::new(device).with_ray_queries())
-            .map_err(Failure::because),
-        false => Device::open(device).map_err(Failure::because),
+    let choice = &job.effort.device;
+    let open = |forms: &[Form]| {
+        let opened = match forms.contains(&Form::RayQuery) {
+            true => Device::open_with(&DeviceOptions::new(choice).with_ray_queries()),
+            false => Device::open(choice),
+        };
+        match opened {
+            // Asking for ray queries asks for a driver, which there is none of: other forms do without.
+            Err(DeviceError::NotFound { .. }) if *choice == DeviceChoice::Best => {
+                Device::open(choice)
+            }
+            opened => opened,
+        }
+        .map_err(Failure::because)
     };
     if let Some(forms) = &job.forms {
-        return Ok((open(forms)?, forms.clone(), None));
+        let device = open(forms)?;
+        if forms[..] == [Form::RayQuery] && !device.has_ray_queries() {
+            let name = &device.description().name;
+            return Err(Failure::Failed(format!(
+                "no device with ray queries, which `--modes rayquery` needs: {name} has none; `patina devices` says which have them"
+            )));
+        }
+        return Ok((device, forms.clone(), None));
     }
+    let few = vec![Form::Stack, Form::Inlined];
+    let usual = open(&few)?;
+    if usual.gpu().is_none() {
+        let absent = Absent {
+            mode: Form::RayQuery.name(),
+            reason: "the device has no ray queries".to_owned(),
+        };
+        return Ok((usual, few, Some(absent)));
+    }
+    drop(usual);
     let all = Form::ALL.to_vec();
     let device = open(&all)?;
     if !device.traits().compiles_slowly {
@@ -162,7 +202,6 @@ fn open(job: &TexturesJob) -> Result<(Device, Vec<Form>, Option<Absent>), Failur
         }
         .to_owned(),
     };
-    let few = vec![Form::Stack, Form::Inlined];
     Ok((open(&few)?, few, Some(absent)))
 }
 

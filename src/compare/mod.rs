@@ -22,8 +22,9 @@ use job::{CompareJob, Most};
 pub(crate) fn run(job: &CompareJob) -> Result<(), Failure> {
     let written: Vec<PathBuf> = job.diff.iter().map(|diff| diff.path.clone()).collect();
     output::check_all(&written, &[job.picture.clone(), job.reference.clone()])?;
-    let layer = picture::layer(&job.picture, job.layer.as_deref())?;
-    let reference = picture::layer(&job.reference, job.layer.as_deref())?;
+    let judged = picture::placed(&job.picture, job.layer.as_deref())?;
+    let by = picture::placed(&job.reference, job.layer.as_deref())?;
+    let (layer, reference) = (judged.layer, by.layer);
     let distance = Distance::between(&layer, &reference, job.exposure).map_err(|error| {
         Failure::Failed(format!(
             "{} and {}: {error}",
@@ -33,6 +34,9 @@ pub(crate) fn run(job: &CompareJob) -> Result<(), Failure> {
     })?;
     if let (Some(_), None) | (None, Some(_)) = (layer.alpha(), reference.alpha()) {
         console::warning("alpha isn't compared: only one of the pictures has it");
+    }
+    if let Some(warning) = apart(judged.place, by.place) {
+        console::warning(&warning);
     }
     let [width, height] = layer.size;
     if let Some(diff) = &job.diff {
@@ -114,6 +118,17 @@ impl Report<'_> {
     }
 }
 
+/// What is said of pictures that don't lie in the same place, by column and row of their upper left pixels.
+fn apart(place: Option<[i32; 2]>, reference: Option<[i32; 2]>) -> Option<String> {
+    let ([column, row], [other_column, other_row]) = place.zip(reference)?;
+    ((column, row) != (other_column, other_row)).then(|| {
+        format!(
+            "the picture begins at column {column} and row {row}, and the reference at column {other_column} and row {other_row} \
+             (\"data window\"): they are compared as if they lay in the same place"
+        )
+    })
+}
+
 /// With the digits that say something, however small it is.
 fn number(value: f64) -> String {
     match value == 0.0 || !value.is_finite() || (1e-3..1e6).contains(&value.abs()) {
@@ -187,6 +202,14 @@ mod tests {
         let infinite = distance(f32::NAN, 0.5);
         let broken = exceeded(&most, &infinite, "it").expect("colours");
         assert_eq!(broken.len(), 3, "{broken:?}");
+    }
+
+    #[test]
+    fn pictures_of_other_places_are_told() {
+        assert_eq!(apart(Some([5, 5]), Some([5, 5])), None);
+        assert_eq!(apart(Some([5, 5]), None), None);
+        let warning = apart(Some([0, 0]), Some([5, -6])).expect("apart");
+        assert!(warning.contains("column 5 and row -6"), "{warning}");
     }
 
     #[test]

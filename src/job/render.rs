@@ -400,7 +400,15 @@ fn method(args: &RenderArgs, accuracy: Option<Accuracy>) -> Result<Method, Usage
     let by_moments = may_begin_again.then_some(
         "what is wrong with a picture of many moments isn't known; write --method cache",
     );
+    let by_bsdf = (method.has_photons()).then_some(
+        "without it, what a surface scatters diffusely depends on where light comes from, which photons don't tell",
+    );
     let refused = [
+        (
+            "--no-energy-compensation",
+            args.no_energy_compensation,
+            by_bsdf,
+        ),
         ("--part", args.part.is_some(), by_parts),
         ("--sample-range", args.sample_range.is_some(), by_parts),
         ("--adaptive", args.adaptive, by_blocks),

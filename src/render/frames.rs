@@ -18,7 +18,7 @@ use crate::{console, denoise, devices, interrupt, output};
 use super::alone::Scene;
 use super::pieces::{self, Division};
 use super::reel::Reel;
-use super::{Ended, Rest, Start, beside, check, end, inputs, view_of, write, written};
+use super::{Ended, Rest, Start, Told, beside, check, end, inputs, view_of, write, written};
 
 /// Renders all frames.
 ///
@@ -74,7 +74,7 @@ pub(super) fn run(job: &RenderJob) -> Result<(), Failure> {
         let own = own.for_scene(&first.opening.loaded().scene);
         output::check_all(&written, &first.opening.files())?;
         let view = view_of(job, &first);
-        let load_seconds = clock.elapsed().as_secs_f64();
+        let says = Told::new(&own, &first.opening.loaded().scene, clock);
         bar.stage(&format!("preparing frame {number}"));
         let division = match division {
             Some(division) => division,
@@ -99,7 +99,7 @@ pub(super) fn run(job: &RenderJob) -> Result<(), Failure> {
             end(rendered.rest);
             return Err(Failure::Interrupted);
         }
-        let (outcome, rest) = write(&own, rendered, &view, denoiser.as_ref(), load_seconds);
+        let (outcome, rest) = write(&own, rendered, &view, denoiser.as_ref(), &says);
         outcome?;
         if let Some(path) = kept(&own) {
             // One that can't be taken away is in nobody's way.

@@ -294,19 +294,24 @@ pub(super) fn summary(
     })
 }
 
-/// What is said of a picture that is biased, perhaps by a clamp as well.
-pub(super) fn bias(audit: &Audit, has_clamp: bool) -> String {
+/// What is said of a picture that is biased, perhaps by a clamp as well, or seems to be for what paths can't find.
+pub(super) fn bias(audit: &Audit, has_clamp: bool, is_more_than_paths_find: bool) -> String {
     let percent = |share: f64| format!("{:.1}", 100.0 * share);
     let (whole, blocks) = (&audit.brightness, &audit.blocks);
     let middle = 0.5 * (whole.start + whole.end);
     format!(
-        "biased: brightness off by {:+.1} % (± {}), blocks of 8 x 8 pixels by {} to {} % of the picture's mean{}, with 95 % certainty",
+        "biased: brightness off by {:+.1} % (± {}), blocks of 8 x 8 pixels by {} to {} % of the picture's mean{}, with 95 % certainty{}",
         100.0 * middle,
         percent(whole.end - middle),
         percent(blocks.start),
         percent(blocks.end),
         match has_clamp {
             true => " beside what --clamp takes away",
+            false => "",
+        },
+        match is_more_than_paths_find {
+            true =>
+                "; the paths that tell this find nothing of what glass and mirrors throw of lamps without size, which photons bring",
             false => "",
         }
     )

@@ -17,12 +17,15 @@ use crate::failure::Failure;
 use crate::output;
 use crate::watch::files::Watcher;
 use crate::words::{NATIVE, Output, parse_output};
-use crate::{cache, console, library, recent};
+use crate::{cache, console, interrupt, library, recent};
 
 use job::ViewJob;
 
 /// How often files are looked at that have no events, while the window has nothing to do.
 const LOOKED_AT: Duration = Duration::from_secs(1);
+
+/// A window that is to close because a signal has come has so long for it: what was not saved is kept by then.
+const CLOSING: Duration = Duration::from_secs(3);
 
 /// Pixels of a picture before the window has said how large it is.
 const FIRST_SIZE: [u32; 2] = [640, 360];
@@ -30,7 +33,8 @@ const FIRST_SIZE: [u32; 2] = [640, 360];
 /// Opens the window and returns when it has been closed.
 ///
 /// # Errors
-/// There is no device or no window system, or a file on the command line isn't there.
+/// There is no device or no window system, or a file on the command line isn't there. A signal has ended it, and edits that were not
+/// saved are kept.
 pub(crate) fn run(job: &ViewJob) -> Result<(), Failure> {
     let start = Instant::now();
     // Said at once rather than in a window.
@@ -91,6 +95,9 @@ pub(crate) fn run(job: &ViewJob) -> Result<(), Failure> {
     // Nothing depends on it but the time of the next start.
     let _ = devices.window.save_cache();
     let closed = outcome?;
+    if interrupt::requested() {
+        return Err(Failure::Interrupted);
+    }
     if let Some(figures) = &closed.figures {
         console::print(figures.to_string().trim_end());
     }
@@ -261,7 +268,26 @@ impl Host for ProgramHost {
     }
 
     fn wake_by(&mut self, waker: Waker) {
+        let woken = waker.clone();
+        interrupt::wake_by(move || woken.wake());
         self.waker = Some(waker);
+    }
+
+    fn is_ending(&self) -> bool {
+        // Whoever asks keeps what is not saved; before that there is nothing, and a signal ends the program at once.
+        interrupt::has_results();
+        let is_ending = interrupt::requested();
+        if is_ending {
+            interrupt::writes_results();
+        }
+        is_ending
+    }
+
+    fn ends(&self, kept: Option<&str>) {
+        if let Some(kept) = kept {
+            console::warning(kept);
+        }
+        interrupt::leave_within(CLOSING);
     }
 
     fn patience(&self) -> Duration {

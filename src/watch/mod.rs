@@ -236,6 +236,10 @@ fn write(job: &WatchJob, session: &mut Session, update: &Update) -> Result<(), F
             Err(error) => console::error(&error.to_string()),
         }
     }
+    // Why nothing was written has been said.
+    if names.is_empty() {
+        return Ok(());
+    }
     console::print(&format!(
         "{}: {}: {spp} spp after {:.3} s: {}",
         update.number,

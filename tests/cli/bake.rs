@@ -133,6 +133,22 @@ fn pictures_have_the_opacity_in_alpha() {
 }
 
 #[test]
+fn what_has_no_texel_is_told() {
+    let bench = Bench::new();
+    square(&bench);
+    let line = "bake Paint --scene square.gltf --look l.toml --device native --size 32 -o p.png";
+    let run = bench.run(line).expect_code(0);
+    assert!(!run.stderr.contains("no texel"), "{}", run.stderr);
+    // The fourth corner lies on the first one.
+    let mut bytes = fs::read(bench.path("square.bin")).expect("it is there");
+    bytes[72..80].copy_from_slice(bytemuck::cast_slice::<f32, u8>(&[0.0, 1.0]));
+    fs::write(bench.path("square.bin"), bytes).expect("written");
+    let run = bench.run(line).expect_code(0);
+    let said = "50 % of the surface of mesh \"square\" has no texel and shows what lies nearest";
+    assert!(run.stderr.contains(said), "{}", run.stderr);
+}
+
+#[test]
 fn what_cannot_be_baked_is_said() {
     let bench = Bench::new();
     square(&bench);

@@ -11,7 +11,7 @@ fn textures_are_compared_with_plain_gray() {
     let textures = concat!(env!("CARGO_MANIFEST_DIR"), "/user_textures");
     let outcome = bench
         .run(&format!(
-            "bench textures --size 16x16 --spp 1 --runs 1 --max-depth 1 --ao-rays 4 --json t.json --textures {textures}"
+            "bench textures --size 16x16 --spp 4 --runs 1 --max-depth 1 --ao-rays 4 --json t.json --textures {textures}"
         ))
         .expect_code(0);
     assert!(outcome.stdout.contains("over grey"), "{}", outcome.stdout);
@@ -31,6 +31,32 @@ fn textures_are_compared_with_plain_gray() {
     assert!((0.05..0.6).contains(&coverage), "{coverage}");
 }
 
+#[cfg(target_os = "linux")]
+#[test]
+fn without_a_driver_the_processor_compares_what_it_can() {
+    let bench = Bench::new();
+    let textures = concat!(env!("CARGO_MANIFEST_DIR"), "/user_textures");
+    let run = |modes: &str| {
+        let line = format!(
+            "bench textures {modes} --size 16x16 --spp 2 --runs 1 --max-depth 1 --ao-rays 4 --textures {textures}"
+        );
+        let mut command = bench.command(&line);
+        // As where none is installed.
+        command.env("VK_DRIVER_FILES", "/dev/null");
+        Outcome::of(command.output().expect("patina starts"), &line)
+    };
+    for modes in ["", "--modes stack,rayquery"] {
+        let told = run(modes).expect_code(0).stdout;
+        assert!(told.contains("over grey"), "{told}");
+        let absent = told.lines().find(|line| line.starts_with("rayquery:"));
+        assert!(
+            absent.is_some_and(|line| line.contains("no ray queries")),
+            "{told}"
+        );
+    }
+    run("--modes rayquery").expect_error(1, "no device with ray queries");
+}
+
 #[test]
 fn reports_of_textures_are_pages_figures_and_charts() {
     if !device() {
@@ -40,7 +66,7 @@ fn reports_of_textures_are_pages_figures_and_charts() {
     let textures = concat!(env!("CARGO_MANIFEST_DIR"), "/user_textures");
     bench
         .run(&format!(
-            "bench textures --scene triangle.gltf --material Glow --modes stack --size 16x16 --spp 1 --runs 1 \
+            "bench textures --scene triangle.gltf --material Glow --modes stack --size 16x16 --spp 4 --runs 1 \
              --ao-rays 1 --sweep bounces -o r.html -o r.json -o r.svg --textures {textures}"
         ))
         .expect_code(0);
@@ -80,7 +106,7 @@ fn a_model_is_inserted_to_be_textured() {
     let textures = concat!(env!("CARGO_MANIFEST_DIR"), "/user_textures");
     let outcome = bench
         .run(&format!(
-            "bench textures --scene triangle.gltf --insert model.gltf --modes stack --size 16x16 --spp 1 --runs 1 \
+            "bench textures --scene triangle.gltf --insert model.gltf --modes stack --size 16x16 --spp 4 --runs 1 \
              --ao-rays 1 -o r.json --textures {textures}"
         ))
         .expect_code(0);
@@ -102,6 +128,7 @@ fn senseless_measurements_of_textures_are_refused_with_a_remedy() {
         ("--modes fast", "inlined"),
         ("--sweep depth", "bounces"),
         ("--ao-rays 0", "from 1 to 255"),
+        ("--spp 1", "from 2 to"),
         ("-o report.pdf", ".html"),
         ("--scene triangle.gltf", "--material NAME"),
         ("--insert triangle.gltf", "--scene"),
@@ -169,6 +196,45 @@ fn whole_renders_are_measured_in_turn() {
         }
         assert!(scene["path_bytes"]["rays"].as_u64() >= Some(96), "{scene}");
     }
+}
+
+#[test]
+fn a_reference_is_not_overwritten_however_it_is_spelled() {
+    let bench = Bench::new();
+    fs::write(bench.path("ref.exr"), "a picture").expect("written");
+    for written in ["--json ./ref.exr", "--json no/../ref.exr"] {
+        fs::create_dir_all(bench.path("no")).expect("a folder");
+        bench
+            .run(&format!("bench methods --reference ref.exr {written}"))
+            .expect_error(2, "input");
+    }
+    let kept = fs::read_to_string(bench.path("ref.exr")).expect("it is there");
+    assert_eq!(kept, "a picture");
+}
+
+#[cfg(unix)]
+#[test]
+fn measurements_that_are_interrupted_give_what_there_is() {
+    let bench = Bench::new();
+    // The first picture is done in no time, the second never.
+    let line = "bench scaling --device native:1 --threads 1 --sizes 8,512 --tiles 8 --spp 1024 --runs 1 --minutes 9999 \
+                -o s.json";
+    let mut command = bench.command(line);
+    command.stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = command.spawn().expect("patina starts");
+    let lines = std::io::BufReader::new(child.stderr.take().expect("piped"));
+    let mut told = std::io::BufRead::lines(lines).map_while(Result::ok);
+    let is_begun = told.any(|line| line.contains("threads, 512x512"));
+    assert!(is_begun, "it has ended before");
+    assert!(kill(&["-INT", &child.id().to_string()]));
+    // What else it says isn't to fill the pipe.
+    let rest: Vec<String> = told.collect();
+    let status = child.wait().expect("it ends");
+    assert_eq!(status.code(), Some(130), "{rest:?}");
+    let text = fs::read_to_string(bench.path("s.json")).expect("it was written");
+    let report: serde_json::Value = serde_json::from_str(&text).expect("it is JSON");
+    assert_eq!(report["threads"][0]["side"], 8);
+    assert_eq!(report["left_out"][0]["reason"], "interrupted");
 }
 
 #[test]

@@ -21,19 +21,13 @@ impl Bench {
 }
 
 fn signal(child: &Child, name: &str) {
-    let kill = Command::new("kill")
-        .args([name, &child.id().to_string()])
-        .status()
-        .expect("kill starts");
-    assert!(kill.success(), "the program must still be running");
+    let is_sent = kill(&[name, &child.id().to_string()]);
+    assert!(is_sent, "the program must still be running");
 }
 
 /// Whether or not it is still there.
 pub(super) fn signal_again(child: &Child, name: &str) {
-    let _ = Command::new("kill")
-        .args([name, &child.id().to_string()])
-        .stderr(Stdio::null())
-        .status();
+    let _ = kill(&[name, &child.id().to_string()]);
 }
 
 fn outcome(child: Child, line: &str) -> Outcome {

@@ -201,11 +201,6 @@ fn a_signal_to_the_script_of_a_part_ends_its_render() {
         assert!(start.elapsed().as_secs() < 60, "the render doesn't begin");
         std::thread::sleep(std::time::Duration::from_millis(50));
     };
-    let kill = |words: &[&str]| {
-        let mut command = Command::new("kill");
-        let status = command.args(words).stderr(Stdio::null()).status();
-        status.expect("kill starts").success()
-    };
     assert!(kill(&["-TERM", &child.id().to_string()]));
     let status = child.wait().expect("it ends");
     let is_left = kill(&["-0", &render]);

@@ -99,6 +99,22 @@ fn an_output_that_is_a_link_stays_one() {
         .expect_error(1, "cannot write");
 }
 
+#[test]
+fn what_one_device_keeps_alone_is_named_as_it_was_asked_for() {
+    if !device() {
+        return;
+    }
+    let bench = Bench::new();
+    for flag in ["--resume", "--refresh", "--checkpoint=5m"] {
+        let name = flag.split('=').next().expect("a word");
+        bench
+            .run(&format!(
+                "render triangle.gltf --size 8x8 --spp 1 --device native:1,native:1 {flag} -o a.png"
+            ))
+            .expect_error(2, &format!("{name} needs a single device"));
+    }
+}
+
 #[cfg(unix)]
 #[test]
 fn samples_are_kept_where_the_picture_can_not_be_written() {
@@ -119,10 +135,8 @@ fn samples_are_kept_where_the_picture_can_not_be_written() {
         std::thread::sleep(std::time::Duration::from_secs(seconds));
         // A file in its place, so that it isn't made anew.
         fs::remove_dir_all(bench.path("out")).expect("removed");
-        let killed = Command::new("kill")
-            .args(["-INT", &child.id().to_string()])
-            .status();
-        assert!(killed.expect("kill starts").success(), "it still runs");
+        let is_sent = kill(&["-INT", &child.id().to_string()]);
+        assert!(is_sent, "it still runs");
         let ended = Outcome::of(child.wait_with_output().expect("it ends"), line);
         if ended.code == Some(130) {
             continue;

@@ -133,4 +133,15 @@ fn a_window_lives_through_what_is_done_to_it() {
     });
     window.shows_a_picture("of the other scene");
     window.closes();
+
+    // Ended from outside with an edit that isn't saved: that is kept.
+    let mut window = Window::open(&desktop, folder.path());
+    window.shows_a_picture("when it is opened again");
+    window.keys(&["bracketright"]);
+    window.is_titled("an edit", |title| title.contains('*'));
+    let said = window.ended();
+    assert!(said.contains("demo.look.toml.recovered"), "{said}");
+    let kept = folder.path().join("demo.look.toml.recovered");
+    let kept = std::fs::read_to_string(kept).expect("it is there");
+    assert_eq!(kept, LOOK.replace("0.0", "0.5"));
 }

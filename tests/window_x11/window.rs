@@ -245,6 +245,20 @@ impl<'a> Window<'a> {
         });
     }
 
+    /// Is ended from outside: it closes in order. Gives what was said.
+    pub(crate) fn ended(mut self) -> String {
+        let id = self.program.0.id().to_string();
+        let killed = Command::new("kill").args(["-TERM", &id]).status();
+        assert!(killed.expect("kill starts").success());
+        let program = &mut self.program.0;
+        let ended = self
+            .desktop
+            .until("its end", || program.try_wait().expect("its state"));
+        let said = std::fs::read_to_string(&self.said).unwrap_or_default();
+        assert_eq!(ended.code(), Some(143), "{said}");
+        said
+    }
+
     /// Closes it, and the program ends as it should and tells how quickly it was.
     pub(crate) fn closes(mut self) {
         self.is_well("before it is closed");

@@ -33,8 +33,8 @@ const LocalPos = 1u;      // Position in the object's own space, before its node
 const Normal = 2u;        // Shading normal in the world, unit length, on the side of the viewer; w = 0.
 const GeomNormal = 3u;    // Normal of the triangle itself in the world, unit length, on the side of the viewer; w = 0.
 const LocalNormal = 4u;   // Shading normal in the object's own space, unit length; w = 0.
-const Tangent = 5u;       // Tangent in the world, unit length, the mesh's or along its first texture coordinates; w = handedness of the bitangent, +1 or -1.
-const Bitangent = 6u;     // Bitangent in the world, unit length; w = 0.
+const Tangent = 5u;       // Tangent in the world, unit length, the mesh's or along its first texture coordinates, turned around where the back is seen; w = handedness of the bitangent, +1 or -1, of which the back has the other one.
+const Bitangent = 6u;     // Bitangent in the world, unit length, turned around where the back is seen; w = 0.
 const TexCoord0 = 7u;     // First texture coordinates (u, v, 0, 1); v = 0 is the top row of an image.
 const TexCoord1 = 8u;     // Second texture coordinates (u, v, 0, 1); equal to the first where the mesh has one set only.
 const Color0 = 9u;        // Vertex colour, linear; (1, 1, 1, 1) where the mesh has none.

@@ -108,7 +108,10 @@ pub(crate) fn expected(message: &str) -> Option<&str> {
 /// naga's message without what belongs to its own tables and structures: `Expression [7]`, `Array { base: [3], .. }`.
 pub(crate) fn plain_message(message: &str) -> String {
     let is_of_abstract = message.starts_with("this expression has type ");
-    if message.starts_with("naga::") || is_of_abstract && message.contains("{Abstract") {
+    if message == "see msg"
+        || message.starts_with("naga::")
+        || is_of_abstract && message.contains("{Abstract")
+    {
         return String::new();
     }
     without_structures(&type_names(without_handles(message)))
@@ -245,11 +248,42 @@ pub(crate) fn remedies(
     if message.contains("is recursive") || message.contains("is cyclic") {
         notes.push("WGSL has no recursion: use a loop, with a bounded number of iterations".into());
     }
+    let of_values = OF_VALUES.iter();
+    let of_values = of_values.filter(|(beginning, _)| message.starts_with(beginning));
+    notes.extend(of_values.map(|&(_, note)| note.to_owned()));
     if message.contains("redefinition") {
         notes.push(unique_within(place.start, outline).into());
     }
     notes
 }
+
+/// What to do about what naga says where it works out values as it reads: it doesn't show them.
+const OF_VALUES: &[(&str, &str)] = &[
+    (
+        "cannot apply the binary op",
+        "both sides must be of one type, or a vector and a number of its type: convert one, as by `f32(...)`",
+    ),
+    (
+        "cannot apply the unary op",
+        "`-` takes numbers with a sign, `~` whole numbers, `!` what is true or false",
+    ),
+    (
+        "cannot access at the index",
+        "elements and components are counted from 0 on",
+    ),
+    (
+        "not implemented as constant expression",
+        "constants can't have this function: call it within a function, with a variable (`var`)",
+    ),
+    (
+        "rhs of shift operation",
+        "a number has 32 bits: shift it by 31 at most",
+    ),
+    (
+        "cannot take the address of a vector component",
+        "copy it to a variable, hand that one over, and copy it back: `var part = v.x; f(&part); v.x = part;`",
+    ),
+];
 
 /// Why a name that there is means no value at a place, and what to do.
 fn not_a_value(word: &str) -> String {

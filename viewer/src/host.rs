@@ -67,6 +67,15 @@ pub trait Host: Send {
     /// How long nobody needs to ask for changes, unless he is woken.
     fn patience(&self) -> Duration;
 
+    /// Whether the program is to end, as by a signal. Asked in each turn of the render: what is not saved is kept then, and the window
+    /// closes.
+    fn is_ending(&self) -> bool {
+        false
+    }
+
+    /// The window is about to close; the text says where edits are that were not saved, or why they could not be kept.
+    fn ends(&self, _kept: Option<&str>) {}
+
     /// Says on the terminal what is wrong, as what the window shows may be overlooked.
     fn report(&self, text: &str);
 

@@ -207,8 +207,10 @@ pub enum Reply {
     },
     /// Something was done.
     Done(String),
-    /// Something could not be done.
+    /// Something could not be done, or there is something wrong with the picture.
     Failed(String),
+    /// The look could not be saved, or a picture not be written.
+    NotWritten(String),
     /// The ground below a point.
     Ground {
         /// The point.
@@ -279,6 +281,8 @@ pub struct Status {
     pub saving: Option<Saving>,
     /// The scene is being read.
     pub is_loading: bool,
+    /// The program is to end: the window closes.
+    pub is_ending: bool,
     /// Nothing is rendered for now.
     pub is_paused: bool,
     /// What is wrong with the files, each with line and caret.

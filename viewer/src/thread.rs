@@ -10,7 +10,6 @@ mod picture;
 mod publish;
 mod size;
 
-use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, TryRecvError, channel};
 use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
@@ -20,7 +19,7 @@ use device::Device;
 use engine::display::{DeviceFilm, Display, DisplaySettings};
 use engine::load::StandIn;
 use engine::scene::{Camera, Moment};
-use engine::session::{ChangeQueue, Session, SessionError};
+use engine::session::{ChangeQueue, Recovery, Session, SessionError};
 
 use crate::host::{Changes, Host};
 use crate::link::{Board, Command, Files, Link, Reply, lock};
@@ -122,11 +121,11 @@ impl RenderThread {
                     end: None,
                     is_stuck: false,
                     is_unheard: false,
-                    recovered: None,
+                    recovery: None,
                     published: publish::Published::default(),
                 };
                 lock(&render.board).recent = render.host.recent().into();
-                render.run(&commands, files);
+                render.run_guarded(&commands, files);
             })?;
         Ok(Self { link, thread })
     }
@@ -134,7 +133,7 @@ impl RenderThread {
     /// Ends the thread and waits for that, so that the device is at rest.
     pub fn finish(self) {
         self.link.send(Command::Quit);
-        // A panic has been reported already.
+        // A panic is on the board.
         let _ = self.thread.join();
     }
 }
@@ -197,7 +196,7 @@ struct Render {
     /// Other files were opened than those that the window knows of.
     is_unheard: bool,
     /// Where the look was kept when the render ended.
-    recovered: Option<PathBuf>,
+    recovery: Option<Recovery>,
     published: publish::Published,
 }
 
@@ -263,6 +262,9 @@ impl Render {
             let wait = self.patience();
             if !self.take_commands(commands, wait) {
                 return;
+            }
+            if self.host.is_ending() {
+                self.end();
             }
             self.finish_picture();
             match self.turn() {

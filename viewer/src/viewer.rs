@@ -401,6 +401,7 @@ impl Viewer {
             let path = self.scene.files.look.clone().unwrap_or_default();
             match self.editor.read(&look, &path) {
                 Some(Outside::Conflict(conflict)) => self.ask_about(Some(conflict)),
+                Some(Outside::AsBefore) => {}
                 outside => {
                     self.ask_about(None);
                     if outside.is_some() {
@@ -443,7 +444,8 @@ impl Viewer {
                 (PickPurpose::Drop, hit) => self.drop_material(hit, now),
             },
             Reply::Done(text) => self.tell(text, false, now),
-            Reply::Failed(text) => {
+            Reply::Failed(text) => self.tell(text, true, now),
+            Reply::NotWritten(text) => {
                 self.saved_as = None;
                 self.stay_if_unsaved();
                 self.tell(text, true, now);

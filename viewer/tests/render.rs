@@ -3,6 +3,7 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
@@ -45,11 +46,15 @@ const SCENE: &str = r#"{
 }"#;
 const LOOK: &str = "# Light from everywhere.\nenvironment = { color = [1, 1, 1], intensity = 1.0 } # white\n\n[material.Brass] # of a lamp\nroughness = 0.5   # worn\n";
 
+/// A picture of that name is a fault of the program.
+const FAULT: &str = "fault.png";
+
 /// A host whose files change when the test says so, and that writes names instead of pictures.
 struct TestHost {
     changes: std::sync::mpsc::Receiver<Changes>,
     waker: Arc<Mutex<Option<Waker>>>,
     textures: PathBuf,
+    ending: Arc<AtomicBool>,
 }
 
 /// Tells a host of changes, and wakes the render, which doesn't ask by itself.
@@ -85,6 +90,10 @@ impl Host for TestHost {
         *self.waker.lock().expect("no panic") = Some(waker);
     }
 
+    fn is_ending(&self) -> bool {
+        self.ending.load(Ordering::SeqCst)
+    }
+
     fn patience(&self) -> Duration {
         Duration::from_secs(3600)
     }
@@ -112,6 +121,7 @@ impl Host for TestHost {
     }
 
     fn check_picture(&self, path: &Path) -> Result<(), String> {
+        assert!(!path.ends_with(FAULT), "it is as if there were a fault");
         let has_folder = path.parent().is_some_and(Path::is_dir);
         has_folder.then_some(()).ok_or("no folder".to_owned())
     }
@@ -153,6 +163,7 @@ struct Stage {
     harness: Harness<'static, Viewer>,
     thread: RenderThread,
     changes: Saves,
+    ending: Arc<AtomicBool>,
 }
 
 impl Stage {
@@ -202,10 +213,12 @@ impl Stage {
         let (sender, changes) = std::sync::mpsc::channel();
         let textures = folder.path().to_owned();
         let waker = Arc::default();
+        let ending = Arc::new(AtomicBool::new(false));
         let host = Box::new(TestHost {
             changes,
             waker: Arc::clone(&waker),
             textures,
+            ending: Arc::clone(&ending),
         });
         let thread =
             RenderThread::start(device.clone(), Some(files), options, host, Box::new(|| {}));
@@ -228,6 +241,7 @@ impl Stage {
             harness,
             thread,
             changes: Saves { sender, waker },
+            ending,
         })
     }
 
@@ -651,6 +665,68 @@ fn a_window_that_cannot_be_drawn_any_more_ends_the_render_and_keeps_the_edits() 
     assert!(fatal.contains("scene.look.toml.recovered"), "{fatal}");
     let recovered = stage.read("scene.look.toml.recovered");
     assert_eq!(recovered, LOOK.replace("0.5 ", "0.25 "));
+    stage.thread.finish();
+}
+
+#[test]
+fn a_program_that_is_to_end_keeps_the_edits() {
+    let Some(mut stage) = Stage::new() else {
+        return;
+    };
+    stage.edit(Edit::material("Brass", "roughness", Value::number(0.25)));
+    fs::write(stage.path("scene.look.toml.recovered"), "older").expect("written");
+    stage.ending.store(true, Ordering::SeqCst);
+    stage.thread.link.send(Command::LookForChanges);
+    stage.wait("end", |stage| stage.harness.state().status().is_ending);
+    let kept = stage.read("scene.look.toml.recovered-2");
+    assert_eq!(kept, LOOK.replace("0.5 ", "0.25 "));
+    assert_eq!(stage.read("scene.look.toml.recovered"), "older");
+    stage.thread.finish();
+}
+
+#[test]
+fn a_fault_of_the_program_ends_the_render_and_keeps_the_edits() {
+    let Some(mut stage) = Stage::new() else {
+        return;
+    };
+    stage.edit(Edit::material("Brass", "roughness", Value::number(0.25)));
+    let fault = PictureOrder {
+        path: stage.path(FAULT),
+        size: [8, 8],
+        spp: 1,
+        layers: false,
+        denoised: false,
+        view: View::default(),
+    };
+    stage.thread.link.send(Command::SavePicture(fault));
+    stage.wait("message", |stage| {
+        stage.harness.state().status().fatal.is_some()
+    });
+    let fatal = stage.harness.state().status().fatal.clone();
+    let fatal = fatal.expect("it has just been there");
+    assert!(fatal.contains("as if there were a fault"), "{fatal}");
+    assert!(fatal.contains("scene.look.toml.recovered"), "{fatal}");
+    let kept = |stage: &Stage| stage.read("scene.look.toml.recovered");
+    assert_eq!(kept(&stage), LOOK.replace("0.5 ", "0.25 "));
+    assert_eq!(stage.read("scene.look.toml"), LOOK, "the file is as it was");
+    // What is done from then on is kept as well.
+    let document = stage.harness.state_mut().document_mut().expect("read");
+    let edit = Edit::material("Brass", "roughness", Value::number(0.75));
+    document.apply("test", &[edit], None).expect("a look");
+    stage.wait("later edit", |stage| {
+        kept(stage) == LOOK.replace("0.5 ", "0.75 ")
+    });
+    // And files that are opened again are rendered.
+    let files = Files {
+        scene: stage.path("scene.gltf"),
+        look: Some(stage.path("scene.look.toml")),
+        camera: None,
+    };
+    stage.thread.link.send(Command::Open(files));
+    stage.wait("a picture", |stage| {
+        let status = stage.harness.state().status();
+        status.fatal.is_none() && status.spp >= 4.0
+    });
     stage.thread.finish();
 }
 

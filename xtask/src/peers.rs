@@ -19,12 +19,14 @@ use anyhow::{Context, Result, bail};
 
 use crate::steps::{cargo, root};
 
-use exchange::{Comparison, Job, Listed, Outcome, Pictures, SceneList, Task};
+use exchange::{Comparison, Job, Listed, Origin, Outcome, Pictures, SceneList, Task};
 use options::Options;
 use report::{Measured, Report, Row, SceneReport, TextureReport, TextureRow};
 
 /// Seed of references: none of the timed renders has it.
 const REFERENCE_SEED: u32 = 1000;
+/// The peer whose program changes.
+const PATINA: &str = "patina";
 /// Exit code of a driver whose renderer isn't installed.
 const ABSENT: i32 = 3;
 
@@ -78,6 +80,8 @@ type References = BTreeMap<(String, &'static str), PathBuf>;
 struct Bench {
     options: Options,
     patina: PathBuf,
+    /// Which build of it that is.
+    build: String,
     out: PathBuf,
 }
 
@@ -99,6 +103,7 @@ impl Bench {
                 .with_context(|| format!("cannot create {}", folder.display()))?;
         }
         Ok(Self {
+            build: build(&patina)?,
             options,
             patina,
             out,
@@ -131,20 +136,28 @@ impl Bench {
         Ok(found)
     }
 
-    /// Writes the scenes, once.
+    /// Writes the scenes, unless all of them have been written of the same folders.
     fn scenes(&self, notices: &mut Vec<String>) -> Result<Vec<Listed>> {
         let folder = self.out.join("scenes");
         let list = folder.join("scenes.json");
-        if !list.is_file() {
+        let origin = Origin {
+            scenes: root().join(&self.options.scenes),
+            reference: root().join(&self.options.reference),
+        };
+        let known = read::<SceneList>(&list).ok();
+        let known_origin = known.as_ref().and_then(|list| list.origin.as_ref());
+        if known_origin != Some(&origin) {
+            // What was rendered of others, though files of the same names.
+            self.forget_jobs()?;
+        }
+        if !known.is_some_and(|list| is_whole(&list, &origin)) {
             println!("writing scenes to {}", folder.display());
+            // Written last: what ends before leaves none, so that half of the scenes aren't taken for all. There may be none yet.
+            let _ = fs::remove_file(&list);
             let mut command = Command::new(&self.options.python);
             command.arg(driver("scenes.py")).arg(&folder);
-            command
-                .arg("--scenes")
-                .arg(root().join(&self.options.scenes));
-            command
-                .arg("--reference")
-                .arg(root().join(&self.options.reference));
+            command.arg("--scenes").arg(&origin.scenes);
+            command.arg("--reference").arg(&origin.reference);
             finish(command, "scenes.py")?;
         }
         let list: SceneList = read(&list)?;
@@ -163,7 +176,15 @@ impl Bench {
         Ok(scenes)
     }
 
-    /// Converged pictures for each scene that brings none, once: of each peer, or by one for all. A reference of one's own
+    /// Makes all results count as those of other jobs.
+    fn forget_jobs(&self) -> Result<()> {
+        let folder = self.out.join("jobs");
+        fs::remove_dir_all(&folder)
+            .and_then(|()| fs::create_dir(&folder))
+            .with_context(|| format!("cannot empty {}", folder.display()))
+    }
+
+    /// Converged pictures for each scene that brings none, once for each job: of each peer, or by one for all. A reference of one's own
     /// leaves out by how much renderers differ in what they take to be right: that is told apart from noise.
     fn references(&self, scenes: &[Listed], peers: &[Peer]) -> Result<References> {
         let maker = match &self.options.reference_by {
@@ -319,6 +340,7 @@ impl Bench {
             seed: 0,
             environment: scene.environment,
             patina: self.patina.clone(),
+            build: None,
             ao_samples: self.options.ao_rays.clone(),
             runs: self.options.runs,
         }
@@ -334,7 +356,9 @@ impl Bench {
         through: &[String],
     ) -> Result<Outcome> {
         let (task, result) = self.files(name);
-        let text = serde_json::to_string_pretty(job)?;
+        let mut job = job.clone();
+        job.build = (peer.name == PATINA).then(|| self.build.clone());
+        let text = serde_json::to_string_pretty(&job)?;
         let known = fs::read_to_string(&task).is_ok_and(|known| known == text);
         if !(reuse && known && result.is_file()) {
             println!("{name}");
@@ -396,6 +420,19 @@ fn pictures(outcomes: &[Outcome]) -> Vec<Pictures> {
             spp: render.spp,
         })
         .collect()
+}
+
+/// Tells builds of a program from each other: its size and when it was written.
+fn build(program: &Path) -> Result<String> {
+    let told = fs::metadata(program).and_then(|file| Ok((file.len(), file.modified()?)));
+    let (size, written) = told.with_context(|| format!("cannot read {}", program.display()))?;
+    let since = written.duration_since(std::time::UNIX_EPOCH)?;
+    Ok(format!("{size} bytes, {} ns", since.as_nanos()))
+}
+
+/// Whether nothing would change if the scenes were written anew.
+fn is_whole(list: &SceneList, origin: &Origin) -> bool {
+    list.skipped.is_empty() && list.origin.as_ref() == Some(origin)
 }
 
 fn driver(file: &str) -> PathBuf {
@@ -468,6 +505,40 @@ fn write(path: &Path, text: &str) -> Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn scenes_are_written_anew_where_some_are_missing_or_others_are_meant() {
+        let list = |text: &str| -> SceneList { serde_json::from_str(text).expect("a list") };
+        let origin = |scenes: &str| Origin {
+            scenes: scenes.into(),
+            reference: "r".into(),
+        };
+        let whole = r#"{"scenes": [], "skipped": [], "origin": {"scenes": "a", "reference": "r"}}"#;
+        assert!(is_whole(&list(whole), &origin("a")));
+        assert!(!is_whole(&list(whole), &origin("b")));
+        let skipped = whole.replace(
+            r#""skipped": []"#,
+            r#""skipped": [{"name": "knot", "reason": "it isn't there"}]"#,
+        );
+        assert!(!is_whole(&list(&skipped), &origin("a")));
+        let old = r#"{"scenes": [], "skipped": []}"#;
+        assert!(!is_whole(&list(old), &origin("a")));
+    }
+
+    #[test]
+    fn a_program_that_is_built_anew_is_another_one() {
+        let name = format!("patina-peers-{}", std::process::id());
+        let program = std::env::temp_dir().join(name);
+        let of = |text: &str| {
+            fs::write(&program, text).expect("it can be written");
+            build(&program).expect("it is there")
+        };
+        let (first, second) = (of("one"), of("three"));
+        assert_ne!(first, second);
+        assert_eq!(build(&program).expect("it is there"), second);
+        fs::remove_file(&program).expect("it was there");
+        assert!(build(&program).is_err());
+    }
 
     #[test]
     fn a_missing_python_is_a_notice() {

@@ -182,4 +182,7 @@ fn write_sweep(text: &mut String, sweep: &SweepReport) {
     for Absent { mode, reason } in &sweep.absent {
         let _ = writeln!(text, "{:>8}  {mode}: {reason}", "");
     }
+    if let Some(reason) = &sweep.ended {
+        let _ = writeln!(text, "{:>8}  further values left out: {reason}", "");
+    }
 }

@@ -262,6 +262,9 @@ fn sweep(sweep: &SweepReport) -> Result<Markup, PageError> {
             }
         }
         (absent(&sweep.absent))
+        @if let Some(reason) = &sweep.ended {
+            p { "Further values are left out: " (reason) }
+        }
     })
 }
 

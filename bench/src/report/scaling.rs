@@ -349,6 +349,9 @@ fn lines_of(area: &Area<'_>, caption: &str, lines: &[Line]) -> Result<(), ChartE
             charts::label(&mut chart, (*place, 0.0), text, 8, VPos::Top)?;
         }
     }
+    if lines.is_empty() {
+        return Ok(());
+    }
     chart
         .configure_series_labels()
         .position(SeriesLabelPosition::LowerLeft)

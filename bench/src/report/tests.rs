@@ -106,6 +106,7 @@ fn figures() -> Figures {
                     reason: "it takes too long".to_owned(),
                 }],
                 absent: Vec::new(),
+                ended: None,
             },
             SweepReport {
                 sweep: "coverage",
@@ -114,6 +115,7 @@ fn figures() -> Figures {
                 points: vec![point(4, 12.5, "stack")],
                 left_out: Vec::new(),
                 absent: Vec::new(),
+                ended: Some("it <failed>".to_owned()),
             },
         ],
         paper: &paper::TABLE,
@@ -219,6 +221,7 @@ fn every_figure_is_in_the_page() {
         "123,456",
         "the adapter has no ray queries &lt;yet&gt;",
         "it takes too long",
+        "it &lt;failed&gt;",
         "+46 %",
         "604",
         "+15 %",
@@ -304,6 +307,7 @@ fn the_table_shows_forms_that_are_absent_and_values_left_out() {
     for words in [
         "no ray queries",
         "it takes too long",
+        "further values left out: it <failed>",
         "paint & varnish covers 12.5 %",
         "16 AO rays",
     ] {

@@ -4,10 +4,15 @@ use std::ops::Range;
 
 use glam::{DVec2, Vec2, Vec3};
 
+use crate::scene::Mesh;
+
 /// Coordinates beyond so many cells have no fraction left anyway.
 const FAR: f64 = 1e12;
 /// Of a triangle that repeats the picture downwards, so many repetitions are looked at about.
 const MOST_TILES: i64 = 32;
+/// A triangle is crushed that has less than this share of the picture that its surface would have by the mean of all: a quarter of
+/// the texels along a side. Small triangles of a fine mesh aren't, whose neighbours' texels show what they are like.
+const CRUSHED: f64 = 1.0 / 16.0;
 
 /// A sample of the picture that lies in a triangle.
 #[derive(Debug, Clone, Copy)]
@@ -64,6 +69,29 @@ pub(super) fn cover(drawn: &[Drawn], side: u32, grid: u32, rows: Range<u32>) -> 
         samples: samples(&canvas.owners, side, grid, rows.start),
         twice: canvas.twice,
     }
+}
+
+/// The share of a surface, that of the `drawn` triangles of a mesh, that is crushed on the picture and `is_lost`, which is told twice
+/// the triangle's area there, in that of the picture. It shows what is elsewhere, as the sides of a box do whose picture lies on it
+/// from above.
+pub(super) fn crushed(mesh: &Mesh, drawn: &[Drawn], is_lost: impl Fn(&Drawn, f64) -> bool) -> f64 {
+    let known = |x: f64| if x.is_finite() { x } else { 0.0 };
+    let areas: Vec<[f64; 2]> = (drawn.iter())
+        .map(|drawn| {
+            let [a, b, c] = drawn.uv.map(|p| p.as_dvec2());
+            let corners = mesh.triangles[drawn.triangle as usize];
+            let [p, q, r] = corners.map(|i| mesh.positions[i as usize].as_dvec3());
+            [
+                known((b - a).perp_dot(c - a).abs()),
+                known((q - p).cross(r - p).length()),
+            ]
+        })
+        .collect();
+    let [picture, surface] = [0, 1].map(|i| areas.iter().map(|areas| areas[i]).sum::<f64>());
+    let lost = (drawn.iter().zip(&areas)).filter(|(drawn, [on_picture, on_surface])| {
+        on_picture * surface < CRUSHED * picture * on_surface && is_lost(drawn, *on_picture)
+    });
+    lost.map(|(_, [_, on_surface])| on_surface).sum::<f64>() / surface.max(f64::MIN_POSITIVE)
 }
 
 /// Some rows of a picture's cells, a sample each, while triangles are drawn into them. Outside of the picture are copies of it,
@@ -296,6 +324,48 @@ mod tests {
         ];
         let drawn = |triangle, uv| Drawn { triangle, uv };
         vec![drawn(0, [a, b, c]), drawn(1, [a, c, d])]
+    }
+
+    #[test]
+    fn what_is_crushed_is_told_from_what_is_fine() {
+        // Squares of a metre in a row, whose pictures are less and less wide.
+        let mesh = |count: u32| Mesh {
+            positions: (0..=count)
+                .flat_map(|x| [0.0, 1.0].map(|y| Vec3::new(x as f32, y, 0.0)))
+                .collect(),
+            triangles: (0..count)
+                .flat_map(|x| {
+                    [
+                        [2 * x, 2 * x + 2, 2 * x + 1],
+                        [2 * x + 1, 2 * x + 2, 2 * x + 3],
+                    ]
+                })
+                .collect(),
+            ..Mesh::default()
+        };
+        let shares = |widths: &[f32]| {
+            let mesh = mesh(widths.len() as u32);
+            let mut ends = vec![0.0];
+            for width in widths {
+                ends.push(ends[ends.len() - 1] + width);
+            }
+            let uv = |i: u32| Vec2::new(ends[i as usize / 2], (i % 2) as f32);
+            let drawn: Vec<Drawn> = (0u32..)
+                .zip(&mesh.triangles)
+                .map(|(triangle, corners)| Drawn {
+                    triangle,
+                    uv: corners.map(uv),
+                })
+                .collect();
+            crushed(&mesh, &drawn, |_, area| area < 0.1)
+        };
+        assert_eq!(shares(&[0.5, 0.5, 0.0, 0.0]), 0.5);
+        assert_eq!(shares(&[0.5, 0.5, 0.0, 0.002]), 0.5);
+        assert_eq!(shares(&[0.5, 0.5, 0.3, 0.2]), 0.0);
+        // However small, they are as large as the others.
+        assert_eq!(shares(&[0.01; 100]), 0.0);
+        assert_eq!(shares(&[f32::NAN, 0.5]), 0.0);
+        assert_eq!(crushed(&Mesh::default(), &[], |_, _| true), 0.0);
     }
 
     #[test]

@@ -217,6 +217,8 @@ pub struct BakedMaterial {
     pub has_occlusion: bool,
     /// Share of the surface that has no place of its own: another part of it is shown there.
     pub overlap: f32,
+    /// Share of the surface that has far less of the picture than the rest, and no texel: what lies nearest is shown there.
+    pub missed: f32,
     /// What differs from place to place, but has one value in glTF: it is the mean.
     pub lost: Vec<&'static str>,
 }
@@ -352,6 +354,7 @@ impl Planes {
             images,
             has_occlusion,
             overlap: maps.overlap,
+            missed: maps.missed,
             lost: self.set_means(surface, maps),
         }
     }

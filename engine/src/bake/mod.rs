@@ -34,7 +34,7 @@ pub use files::{shown, write_exr};
 pub use gltf::{BakedImage, BakedMaterial, Role};
 
 use appearance::{Appearance, Batch, Painter};
-use cover::{Drawn, Sample, cover, nearest};
+use cover::{Drawn, Sample, cover, crushed, nearest};
 use occlusion::Occluders;
 use place::{Place, Placed};
 
@@ -136,6 +136,8 @@ pub struct Maps {
     is_shown: Vec<bool>,
     /// Share of the surface that has no place of its own: another part of it is shown there.
     pub overlap: f32,
+    /// Share of the surface that has far less of the picture than the rest, and no texel: what lies nearest is shown there.
+    pub missed: f32,
 }
 
 impl Maps {
@@ -287,11 +289,15 @@ impl<'a> Baker<'a> {
         let mut sums = Sums::new(size, stride);
         let row_samples = (size * grid * grid) as usize;
         let band = (BAND / row_samples).clamp(1, size as usize) as u32;
+        let mut has_texel = vec![false; target.layout.triangles.len()];
         let mut first = 0;
         while first < size {
             let end = (first + band).min(size);
             let covered = cover(&drawn, size, grid, first..end);
             sums.twice = sums.twice.saturating_add(covered.twice);
+            for sample in &covered.samples {
+                has_texel[sample.triangle as usize] = true;
+            }
             for samples in covered.samples.chunks(BATCH) {
                 let done = sums.taken as f32 / (u64::from(size) * row_samples as u64) as f32;
                 if progress(done).is_break() {
@@ -315,8 +321,10 @@ impl<'a> Baker<'a> {
             first = end;
         }
         let name = &mesh.name;
-        sums.mean()
-            .ok_or_else(|| BakeError::Empty { mesh: name.clone() })
+        let mut maps = (sums.mean()).ok_or_else(|| BakeError::Empty { mesh: name.clone() })?;
+        let is_lost = |drawn: &Drawn, _| !has_texel[drawn.triangle as usize];
+        maps.missed = crushed(target.layout, &drawn, is_lost) as f32;
+        Ok(maps)
     }
 
     fn values(
@@ -458,6 +466,7 @@ impl Sums {
             size: self.size,
             stride: self.stride,
             overlap: (self.twice as f64 / (self.taken as f64 + self.twice as f64)) as f32,
+            missed: 0.0,
             is_shown,
             values: self.values,
         })

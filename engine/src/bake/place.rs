@@ -161,18 +161,18 @@ impl<'a> Placed<'a> {
             .sum()
     }
 
-    /// How much the normal turns over the triangle, 1/metres.
+    /// Half the divergence of the interpolated normal over the triangle, 1/metres.
     fn curvature(&self, place: &Place) -> f32 {
         let corners = self.mesh.triangles[place.triangle as usize].map(|i| i as usize);
-        let p = corners.map(|i| self.mesh.positions[i]);
-        let n = corners.map(|i| self.mesh.normals[i]);
-        let turn = |a: usize, b: usize| {
-            let edge = p[b] - p[a];
-            (n[b] - n[a]).dot(edge) / edge.length_squared().max(1e-20)
-        };
-        let local = (p[1] - p[0]).cross(p[0] - p[2]).length().max(1e-30);
+        let [a, b, c] = corners.map(|i| self.mesh.positions[i]);
+        let [na, nb, nc] = corners.map(|i| self.mesh.normals[i]);
+        let (ab, ac) = (b - a, c - a);
+        let across = ab.cross(ac);
+        let turn = (nb - na).dot(ac.cross(across)) + (nc - na).dot(across.cross(ab));
+        let along = 0.5 * turn / across.length_squared().max(1e-37);
+        let local = across.length().max(1e-30);
         let world = place.edges[0].cross(place.edges[1]).length().max(1e-30);
-        (turn(0, 1) + turn(1, 2) + turn(2, 0)) / 3.0 / (world / local).sqrt()
+        along / (world / local).sqrt()
     }
 
     /// Writes what textures read at a place; `occlusion` has a component for each table.

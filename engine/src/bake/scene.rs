@@ -8,21 +8,21 @@ use texgen::{Diagnostic, Diagnostics};
 use crate::scene::import::give_tangents;
 use crate::scene::{Camera, CustomAttribute, Mesh, Sampler, Scene, TextureRef};
 
-use super::cover::{Drawn, cover};
+use super::cover::{Drawn, cover, crushed};
 use super::unwrap::unwrap;
 use super::{BakeError, BakeSettings, BakedMaterial, Baker, Progress, Role, Target};
 
 /// Texels between pieces of what is unwrapped here.
 const MARGIN: f32 = 4.0;
-/// Texture coordinates in which more than this share overlaps are made anew.
+/// Texture coordinates in which more than this share overlaps, or is crushed to nothing, are made anew.
 const MOST_OVERLAP: f64 = 2e-3;
 /// Pictures of small things have so many texels along a side at least.
 const LEAST_SIZE: u32 = 32;
 
 impl Baker<'_> {
     /// The scene with pictures in place of programs. Instances whose materials are driven get meshes of their own, with new
-    /// texture coordinates where theirs overlap or are missing; the one with the greatest surface has pictures of the settings'
-    /// size, others smaller ones. `camera` is the first one, if the scene hasn't it.
+    /// texture coordinates where theirs overlap, are missing, or leave a part of the surface without texels; the one with the
+    /// greatest surface has pictures of the settings' size, others smaller ones. `camera` is the first one, if the scene hasn't it.
     ///
     /// # Errors
     /// As [`Self::material`].
@@ -172,7 +172,7 @@ impl Baker<'_> {
     }
 }
 
-/// Whether no two places of what has a material share one of the picture.
+/// Whether no two places of what has a material share one of the picture, and all have one.
 fn is_apart(mesh: &Mesh, material: u32) -> bool {
     const SIDE: u32 = 512;
     let triangles = (0u32..).zip(mesh.triangles.iter().zip(&mesh.triangle_materials));
@@ -183,6 +183,11 @@ fn is_apart(mesh: &Mesh, material: u32) -> bool {
             uv: corners.map(|i| mesh.uv0[i as usize]),
         })
         .collect();
+    // What hasn't a texel shows what lies on the nearest one.
+    let lost = crushed(mesh, &drawn, |_, area| area * f64::from(SIDE * SIDE) < 2.0);
+    if lost > MOST_OVERLAP {
+        return false;
+    }
     let covered = cover(&drawn, SIDE, 1, 0..SIDE);
     let all = covered.samples.len() as f64 + covered.twice as f64;
     all > 0.0 && covered.twice as f64 <= MOST_OVERLAP * all
@@ -297,6 +302,7 @@ impl<'a> Builder<'a> {
             images,
             lost,
             overlap,
+            missed,
             ..
         } = baked;
         for key in lost {
@@ -309,6 +315,13 @@ impl<'a> Builder<'a> {
             let message = format!(
                 "{name}: {:.0} % of the surface winds over itself where it was unwrapped, and shows what is elsewhere",
                 100.0 * overlap
+            );
+            self.warnings.push(Diagnostic::warning(message));
+        }
+        if missed > 0.01 {
+            let message = format!(
+                "{name}: {:.0} % of the surface has no texel and shows what lies nearest; take a larger --size",
+                100.0 * missed
             );
             self.warnings.push(Diagnostic::warning(message));
         }

@@ -409,3 +409,97 @@ fn ambient_occlusion_is_that_of_the_place() {
     );
     assert!(baked.has_occlusion);
 }
+
+/// The square, and another one beside it that has none of the picture, as the sides of a box from above.
+fn beside_a_crushed_one() -> Scene {
+    let mut scene = square(plain());
+    let mesh = &mut scene.meshes[0];
+    let more: Vec<Vec3> = mesh.positions.iter().map(|p| *p + 3.0 * Vec3::X).collect();
+    mesh.positions.extend(more);
+    mesh.normals.extend([Vec3::Z; 4]);
+    mesh.tangents.extend_from_within(..);
+    mesh.uv0.extend([Vec2::new(1.0, 0.3); 4]);
+    mesh.triangles.extend([[4, 5, 6], [4, 6, 7]]);
+    mesh.triangle_materials.extend([0; 2]);
+    scene
+}
+
+#[test]
+fn what_has_no_texel_is_told_and_unwrapped() {
+    let textures = [("place", PLACE)];
+    let look = "[node.place]\ntexture = \"place\"\n[material.M]\nbase_color = \"place\"\n";
+    assert_eq!(baked(look, &textures, &SETTINGS).missed, 0.0);
+    let missed = baked_of(beside_a_crushed_one(), look, &textures, &SETTINGS).missed;
+    assert!((missed - 0.5).abs() < 1e-6, "{missed}");
+
+    let scene = exported(beside_a_crushed_one(), look, &textures, &SETTINGS);
+    let mesh = &scene.meshes[scene.instances[0].mesh as usize];
+    assert_eq!(mesh.triangles.len(), 4);
+    for corners in &mesh.triangles {
+        let [a, b, c] = corners.map(|i| mesh.uv0[i as usize]);
+        let area = (b - a).perp_dot(c - a).abs();
+        assert!(area > 0.01, "{a} {b} {c}");
+    }
+}
+
+/// A part of a cylinder of radius 1 along z, of so many rows each way, with the picture of the square.
+fn bent(columns: u32, rows: u32) -> Mesh {
+    let points = || (0..=rows).flat_map(move |row| (0..=columns).map(move |column| (column, row)));
+    let uv = |(column, row): (u32, u32)| {
+        Vec2::new(column as f32 / columns as f32, row as f32 / rows as f32)
+    };
+    let normal = |at: (u32, u32)| {
+        let (sin, cos) = (1.5 * uv(at).x - 0.75).sin_cos();
+        Vec3::new(sin, cos, 0.0)
+    };
+    let corner = |column: u32, row: u32| row * (columns + 1) + column;
+    let cells = (0..rows).flat_map(|row| (0..columns).map(move |column| (column, row)));
+    let triangles: Vec<[u32; 3]> = cells
+        .flat_map(|(x, y)| {
+            let [a, b] = [corner(x, y), corner(x + 1, y)];
+            let [c, d] = [corner(x + 1, y + 1), corner(x, y + 1)];
+            [[a, d, c], [a, c, b]]
+        })
+        .collect();
+    Mesh {
+        name: "bent".to_owned(),
+        positions: points().map(|at| normal(at) + uv(at).y * Vec3::Z).collect(),
+        normals: points().map(normal).collect(),
+        uv0: points().map(uv).collect(),
+        triangle_materials: vec![0; triangles.len()],
+        triangles,
+        ..Mesh::default()
+    }
+}
+
+#[test]
+fn curvature_does_not_depend_on_the_triangles() {
+    let textures = [(
+        "bend",
+        "fn userProc() -> f32 { return readAttr(Curvature).x; }",
+    )];
+    let look = "[node.bend]\ntexture = \"bend\"\n[material.M]\nroughness = \"bend\"\n";
+    for (columns, rows, scale) in [(8, 1, 1.0), (8, 16, 1.0), (2, 30, 1.0), (12, 3, 2.0)] {
+        let mut scene = square(plain());
+        scene.meshes[0] = bent(columns, rows);
+        scene.instances[0].transform = Affine3A::from_scale(Vec3::splat(scale));
+        let rgba = with_baker(scene, look, &textures, |baker| {
+            let target = Target {
+                instance: 0,
+                layout: &baker.scene.meshes[0],
+                material: None,
+            };
+            let node = baker.procedural.graph().node("bend").expect("it is there");
+            let go_on = &mut |_| ControlFlow::Continue(());
+            let maps = baker.node(node, &target, &SETTINGS, go_on);
+            maps.expect("pictures").rgba()
+        });
+        for texel in rgba {
+            let wanted = 0.5 / scale;
+            assert!(
+                (texel[0] - wanted).abs() < 1e-3,
+                "{columns} x {rows}: {texel:?}"
+            );
+        }
+    }
+}

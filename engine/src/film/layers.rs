@@ -231,7 +231,7 @@ impl Layers {
     }
 
     /// The names of what a scene has to show in layers of ids, and of its groups of lights, by layer: for
-    /// [`Origin::names`](super::Origin::names). None where they are too many for the header of a file.
+    /// [`Origin::names`](super::Origin::names). Where they are too many for the header of a file, those of groups alone.
     pub fn names(&self, scene: &Scene) -> BTreeMap<String, Vec<String>> {
         let mut bytes = 0;
         let mut names = BTreeMap::new();
@@ -253,10 +253,11 @@ impl Layers {
                 names.insert(layer.name.to_owned(), list);
             }
         }
-        match bytes <= MOST_NAMES {
-            true => names,
-            false => BTreeMap::new(),
+        if bytes > MOST_NAMES {
+            // Groups are few, and layers are named by them.
+            names.retain(|name, _| Layer::named(name).is_some_and(|layer| !layer.is_of_ids()));
         }
+        names
     }
 
     /// What the samples of a wave are added to beside the picture, in the order of the film's planes: one kernel each.
@@ -414,6 +415,26 @@ mod tests {
         assert_eq!(names["light_group_0"], [UNGROUPED]);
         assert_eq!(names["light_group_1"], ["sky"]);
         assert!(known().contains(&LIGHT_GROUPS) && !known().contains(&"light_group_1"));
+    }
+
+    #[test]
+    fn groups_keep_their_names_where_those_of_objects_are_too_many() {
+        let mut scene = Scene::default();
+        let source = scene::LightSource::Environment;
+        scene.light_groups.assign(source, "sky").expect("room");
+        let material = |name: String| scene::Material {
+            name,
+            ..scene::Material::default()
+        };
+        scene.materials = vec![material("few".to_owned())];
+        let layers = Layers::named([LIGHT_GROUPS, "crypto_material"])
+            .expect("known")
+            .of_scene(&scene);
+        assert_eq!(layers.names(&scene)["crypto_material"], ["few"]);
+        scene.materials.push(material("x".repeat(MOST_NAMES / 6)));
+        let names = layers.names(&scene);
+        assert!(!names.contains_key("crypto_material"));
+        assert_eq!(names["light_group_1"], ["sky"]);
     }
 
     #[test]

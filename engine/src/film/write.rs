@@ -139,6 +139,20 @@ const TOLD: [(&str, &str); 9] = [
     ("motion", "patina:motion"),
 ];
 
+/// How the names of [`TOLD`] begin.
+const OWN_PREFIX: &str = "patina:";
+
+/// What else headers say by themselves, so that no attribute from elsewhere may be called so.
+const OWN: [&str; 7] = [
+    "samplesPerPixel",
+    "maxDepth",
+    "seed",
+    "device",
+    "scene",
+    "look",
+    "denoiser",
+];
+
 /// A value of an EXR header.
 #[derive(Debug, Clone, PartialEq, Eq)]
 enum Fact {
@@ -361,6 +375,19 @@ mod tests {
         assert_eq!(picture.get_pixel(1, 0).0, [255, 0, 0]);
         assert_eq!(picture.get_pixel(2, 1).0, [128, 0, 255]);
         assert_eq!(read(1.0).get_pixel(2, 0).0, [188; 3]);
+    }
+
+    #[test]
+    fn what_headers_say_by_themselves_has_names_of_their_own() {
+        let settings = TOLD.map(|(setting, _)| (setting.to_owned(), "1".to_owned()));
+        let look = Some(Path::new("a.look.toml"));
+        let origin = Origin::new("", Path::new(""), look, settings.into());
+        let metadata = Metadata::of([1, 1], 1, &origin).denoised_by("x");
+        assert_eq!(metadata.facts.len(), OWN.len() + TOLD.len());
+        for (name, _) in &metadata.facts {
+            assert!(OWN.contains(name) || name.starts_with(OWN_PREFIX), "{name}");
+            assert!(Form::USUAL.with_fact(name, "y").is_err(), "{name}");
+        }
     }
 
     #[test]

@@ -105,7 +105,7 @@ impl GpuMaterial {
             const { place_of("flags") },
             flags(material, program) | group << flag::LIGHT_GROUP_SHIFT,
         );
-        record.set_word(const { place_of("id") }, name_id(&material.name));
+        record.set_word(const { place_of("id") }, name_id(material.matte_name()));
         let texture_mask = (0..textures.len())
             .filter(|&i| textures[i].is_some())
             .fold(0, |mask, i| mask | 1 << i);

@@ -291,7 +291,7 @@ impl<'a> Builder<'a> {
                 continue;
             }
             let message =
-                format!("links to `{key}` give degrees; in version 0.1.0 they gave radians");
+                format!("links to `{key}` give degrees; in earlier versions they gave radians");
             let note = format!(
                 "if texture `{0}` gives radians, let it return `degrees(...)`; say \"degrees\" in its description (`///`), \
                  and this message is gone",
@@ -460,7 +460,14 @@ impl<'a> Builder<'a> {
         let srgb = image.srgb.unwrap_or(!parameter.is_data);
         let files = &*self.files;
         match (self.images).handle(files, scene, &path, srgb, image.sampler) {
-            Ok(handle) => Some(handle),
+            Ok(handle) => {
+                for lost in self.images.losses.drain(..) {
+                    let span = image.file.span.clone();
+                    let warning = Diagnostic::warning(lost).with_label(&self.look.file, span, "");
+                    self.warnings.push(warning);
+                }
+                Some(handle)
+            }
             Err(error) => {
                 let message = format!("the image {}: {error}", path.display());
                 let note = "paths are relative to the look file";

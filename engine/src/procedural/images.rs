@@ -17,6 +17,8 @@ pub(super) struct Images {
     pub(super) textures: Vec<TextureRef>,
     /// Of the scene's images: those whose mip levels a texture reads.
     pub(super) with_levels: BTreeSet<u32>,
+    /// What files lost as they were loaded.
+    pub(super) losses: Vec<String>,
 }
 
 impl Images {
@@ -40,8 +42,9 @@ impl Images {
             Some(&image) => image,
             None => {
                 let image = scene.images.len() as u32;
-                let picture = load_picture(files, path, srgb, &scene.images)?;
+                let (picture, lost) = load_picture(files, path, srgb, &scene.images)?;
                 scene.images.push(picture);
+                self.losses.extend(lost);
                 self.by_file.insert(key, image);
                 image
             }

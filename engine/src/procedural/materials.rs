@@ -69,9 +69,11 @@ pub(super) fn resolve(
 pub(super) fn copy_bases(scene: &mut Scene, wiring: &[Wiring], order: &[u32]) {
     for &index in order {
         if let Some(blend) = &wiring[index as usize].blend {
-            let name = std::mem::take(&mut scene.materials[index as usize].name);
+            let own = &mut scene.materials[index as usize];
+            let (name, matte) = (std::mem::take(&mut own.name), own.matte.take());
             scene.materials[index as usize] = Material {
                 name,
+                matte,
                 emission: Vec3::ZERO,
                 emission_texture: None,
                 ..scene.materials[blend.base as usize].clone()
@@ -157,6 +159,8 @@ impl Resolver<'_> {
                 let original = &scene.materials[self.out.names[name] as usize];
                 let surface = Material {
                     name: unique_name(&format!("{name} (surface)"), scene),
+                    // Whoever picks the material in a picture means what is seen of it.
+                    matte: Some(name.clone()),
                     ..original.clone()
                 };
                 self.out

@@ -187,6 +187,13 @@ fn a_blend_with_itself_keeps_the_gltf_surface() {
     let (procedural, scene) = build(&text);
     let names: Vec<_> = scene.materials.iter().map(|m| m.name.as_str()).collect();
     assert_eq!(names, ["A", "B", "C", "B (surface)", "Rust"]);
+    let mattes: Vec<_> = scene.materials.iter().map(Material::matte_name).collect();
+    assert_eq!(mattes, ["A", "B", "C", "B", "Rust"]);
+    let layers = crate::film::Layers::named(["crypto_material"]).expect("known");
+    assert_eq!(
+        layers.names(&scene)["crypto_material"],
+        ["A", "B", "C", "Rust"]
+    );
     let blend = head(&procedural, 1);
     assert_eq!(blend[HEAD_FLAGS as usize], FLAG_BLEND);
     assert_eq!(
@@ -321,6 +328,28 @@ fn images_are_loaded_once_for_each_use() {
     assert_eq!(procedural.textures().len(), 3);
     assert_eq!(scene.images.len(), 2);
     assert!(scene.images[0].srgb && !scene.images[1].srgb);
+}
+
+#[test]
+fn an_image_of_sixteen_bits_is_cut_with_a_warning() {
+    let folder = std::env::temp_dir().join(format!("patina-depth-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let path = folder.join("h.png");
+    let grey = image::ImageBuffer::from_pixel(2, 1, image::Luma([0x8080u16]));
+    image::DynamicImage::ImageLuma16(grey).save(&path).unwrap();
+    let path = path.display().to_string();
+    let node = |name: &str| {
+        format!(
+            "[node.{name}]\ntexture='picture'\nimage={path:?}\nramp=[[0,'#000'],[1,[1,1,1]]]\nsteps=2\n"
+        )
+    };
+    let text = [&*node("a"), &*node("b"), "[material.A]\nbase_color='a'\n"].concat();
+    let built = try_build(&text);
+    std::fs::remove_dir_all(&folder).unwrap();
+    let (procedural, _) = built.unwrap_or_else(|p| panic!("{p}"));
+    let said = procedural.warnings().render();
+    assert_eq!(said.matches("16 bits a channel").count(), 1, "{said}");
+    assert!(said.contains("test.look.toml:3:7"), "{said}");
 }
 
 #[test]

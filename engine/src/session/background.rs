@@ -27,6 +27,8 @@ pub(super) enum Job {
         is_for_look: bool,
         /// It was begun while the look wasn't what is shown: what is wrong with files may be its fault.
         blames_look: bool,
+        /// What else is done with it, and has to be done without it.
+        covers: Again,
         /// Nothing where the files are what is shown.
         task: Task<Result<Option<Box<Rebuilt>>, SessionError>>,
     },
@@ -144,11 +146,16 @@ impl Session {
             return;
         }
         // All that had to be looked at, but for the textures.
-        self.again = Again {
-            sources: self.again.sources,
-            ..Again::default()
+        let sources = self.again.sources;
+        let former = std::mem::take(&mut self.again);
+        let covers = Again {
+            sources: false,
+            // Not the look, but files are what it is for.
+            assets: former.assets || !is_for_look,
+            ..former
         };
-        self.rebuild_unless(None, is_for_look);
+        self.again.sources = sources;
+        self.rebuild_unless(None, is_for_look, covers);
     }
 
     /// Scene or images may have changed: all is read again in the background, unless they are what is shown.
@@ -158,17 +165,21 @@ impl Session {
             return;
         }
         let known = self.is_up_to_date().then(|| self.read.clone());
-        self.rebuild_unless(known, false);
+        let covers = Again {
+            assets: true,
+            ..Again::default()
+        };
+        self.rebuild_unless(known, false, covers);
     }
 
     /// Builds another renderer unless files are what was read once.
-    fn rebuild_unless(&mut self, known: Option<Record>, is_for_look: bool) {
+    fn rebuild_unless(&mut self, known: Option<Record>, is_for_look: bool, covers: Again) {
         let text = self.document.text();
         let (inputs, files) = (self.inputs.clone(), Arc::clone(&self.system.files));
         let (stand_in, moment, look) = (self.stand_in, self.moment.clone(), text.clone());
         // Files may be others by now.
         self.timeline = None;
-        self.build(text, is_for_look, move || {
+        self.build(text, is_for_look, covers, move || {
             if known.is_some_and(|known| known.is_of(&*files)) {
                 return Ok(None);
             }
@@ -198,7 +209,8 @@ impl Session {
             has_given_environment: self.has_given_environment,
             warnings: self.warnings.clone(),
         };
-        self.build(text, false, move || Ok(Some((loaded, None))));
+        let covers = Again::default();
+        self.build(text, false, covers, move || Ok(Some((loaded, None))));
     }
 
     /// Builds another renderer in the background, of what was read by a look's text.
@@ -206,6 +218,7 @@ impl Session {
         &mut self,
         text: String,
         is_for_look: bool,
+        covers: Again,
         read: impl FnOnce() -> Result<Option<(Loaded, Option<Record>)>, LoadError> + Send + 'static,
     ) {
         let (device, system) = (self.renderer.device().clone(), self.system.clone());
@@ -235,6 +248,7 @@ impl Session {
                     text,
                     is_for_look,
                     blames_look: self.shown.is_some(),
+                    covers,
                     task,
                 });
             }
@@ -254,6 +268,7 @@ impl Session {
                 text,
                 is_for_look,
                 blames_look,
+                covers,
                 task,
             }) => {
                 let built = task.wait().unwrap_or_else(|_| {
@@ -262,8 +277,9 @@ impl Session {
                 });
                 // The look has been mended, and what is shown is what is wanted.
                 let is_outdated = is_for_look && self.shown.is_none();
-                if !is_outdated {
-                    self.finish_rebuild(text, blames_look, built);
+                match is_outdated {
+                    true => self.still_to_do(covers),
+                    false => self.finish_rebuild(text, blames_look, covers, built),
                 }
             }
             None => {}
@@ -290,6 +306,13 @@ impl Session {
                 self.sources_changed();
             }
         }
+    }
+
+    /// What a rebuild would have brought that isn't wanted any more.
+    fn still_to_do(&mut self, covers: Again) {
+        self.again.assets |= covers.assets;
+        self.again.rebuild |= covers.rebuild;
+        self.again.moment |= self.moment != self.shown_moment;
     }
 
     /// Whether what is built in the background is ready; nothing where nothing is.
@@ -321,6 +344,7 @@ impl Session {
         &mut self,
         text: String,
         blames_look: bool,
+        covers: Again,
         built: Result<Option<Box<Rebuilt>>, SessionError>,
     ) {
         match built {
@@ -340,6 +364,7 @@ impl Session {
                 // Whatever is wrong with files that weren't read again is so still.
                 if let Some(read) = read {
                     self.read = read;
+                    self.is_behind = false;
                     self.problems.scene = Diagnostics::new();
                     self.problems.sources = Diagnostics::new();
                 }
@@ -355,9 +380,11 @@ impl Session {
             Err(_) if self.renderer.device().is_lost() => self.again.rebuild = true,
             Err(SessionError::Load(LoadError::Look(LookError::Invalid(problems)))) => {
                 self.problems.look = problems;
+                self.is_behind |= covers.assets && blames_look;
             }
             Err(error) if blames_look => {
                 self.problems.look = Diagnostic::error(error.to_string()).into();
+                self.is_behind |= covers.assets;
             }
             Err(error) => self.problems.scene = Diagnostic::error(error.to_string()).into(),
         }

@@ -30,6 +30,12 @@ pub enum SessionError {
         /// The file.
         path: PathBuf,
     },
+    /// Somebody has said that the file is not to be changed.
+    #[error("{} is read-only; save it under another name, or make it writable", path.display())]
+    ReadOnly {
+        /// The file.
+        path: PathBuf,
+    },
     /// The look can't be saved.
     #[error("cannot write the look {}: {source}", path.display())]
     Save {

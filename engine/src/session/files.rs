@@ -1,5 +1,6 @@
 //! The session's files: the look is saved to its own, and all are followed when others change them.
 
+use std::io;
 use std::path::{Path, PathBuf};
 
 use texgen::{Diagnostic, Diagnostics};
@@ -9,14 +10,16 @@ use crate::fingerprint;
 use crate::load;
 use crate::procedural::{SourcesError, TextureSources};
 use crate::renderer::RenderSettings;
-use crate::scene::look::{Look, LookDocument};
+use crate::scene::look::{Look, LookDocument, LookError};
 
+use super::edit::summary;
+use super::moved::moved;
 use super::{Inputs, Session, SessionError, parse_look};
 
 impl Session {
-    /// Whether there are edits that have not been saved.
+    /// Whether there are edits that have not been saved, or there is no file any more that has the look.
     pub fn has_unsaved_edits(&self) -> bool {
-        self.document.text() != self.saved
+        self.is_gone || self.document.text() != self.saved
     }
 
     /// The look's text as its file had it when that was read or written last.
@@ -27,15 +30,21 @@ impl Session {
     /// Saves the look to its file, or to `path`: comments, order and formatting of what was not edited are kept.
     ///
     /// # Errors
-    /// There is no file, or the system refuses; the look's own file was changed by others and isn't the look as it is known.
-    /// An old file is untouched then. With a `path`, whatever is there is replaced.
+    /// There is no file, or the system refuses; the look's own file was changed by others and isn't the look as it is known, or may only
+    /// be read. An old file is untouched then. With a `path`, whatever is there is replaced.
     pub fn save(&mut self, path: Option<&Path>) -> Result<(), SessionError> {
         let own = self.inputs.look.as_deref();
-        if let (None, Some(own)) = (path, own)
-            && Look::read_text(&*self.system.files, own).is_ok_and(|text| text != self.saved)
-        {
+        if let (None, Some(own)) = (path, own) {
+            let files = &*self.system.files;
+            // What can't be read isn't what is known, either.
+            let is_known = || Look::read_text(files, own).is_ok_and(|text| text == self.saved);
             let path = own.to_owned();
-            return Err(SessionError::Changed { path });
+            if files.has(own) && !is_known() {
+                return Err(SessionError::Changed { path });
+            }
+            if files.is_read_only(own) {
+                return Err(SessionError::ReadOnly { path });
+            }
         }
         let path = path.or(own);
         let path = path.ok_or(SessionError::NoFile)?.to_owned();
@@ -43,21 +52,40 @@ impl Session {
         match self.system.files.write(&path, text.as_bytes()) {
             Ok(()) => {
                 self.saved = text;
+                self.is_gone = false;
                 Ok(())
             }
             Err(source) => Err(SessionError::Save { path, source }),
         }
     }
 
-    /// Saves the look to another file, which is its file from then on. In another folder the look is read anew, because
-    /// what it names is searched from there.
+    /// Saves the look to another file, which is its file from then on. In another folder the look names images, documents and what it
+    /// includes from there, so that they are the same files; it is read anew, since textures are searched from there, too.
     ///
     /// # Errors
-    /// As [`Self::save`].
+    /// As [`Self::save`]; the look is as before then.
     pub fn save_as(&mut self, path: &Path) -> Result<(), SessionError> {
-        self.save(Some(path))?;
         let folder = |path: &Path| path.parent().map(Path::to_owned);
-        let is_elsewhere = self.inputs.look.as_deref().map(folder) != Some(folder(path));
+        let former = self.inputs.look.as_deref().map(folder);
+        let is_elsewhere = former != Some(folder(path));
+        // A look without a file lies where the program was started.
+        let [from, to] = [former.flatten(), folder(path)].map(Option::unwrap_or_default);
+        let text = self.document.text();
+        let moved = moved(&*self.system.files, &text, [&from, &to]);
+        let kept = match moved == text {
+            true => None,
+            false => {
+                let document = parse_look(&self.inputs, &moved);
+                let document = document.map_err(|p| SessionError::Refused(summary(&p)))?;
+                Some(std::mem::replace(&mut self.document, document))
+            }
+        };
+        if let Err(error) = self.save(Some(path)) {
+            if let Some(kept) = kept {
+                self.document = kept;
+            }
+            return Err(error);
+        }
         self.inputs.look = Some(path.to_owned());
         if is_elsewhere {
             self.rebuild();
@@ -132,8 +160,9 @@ impl Session {
     /// The look's file as it is now; what is wrong with it is one of the problems.
     fn read_look(&mut self) -> Option<(String, LookDocument)> {
         let path = self.inputs.look.clone()?;
-        let read = Look::read_text(&*self.system.files, &path)
-            .map_err(|error| Diagnostic::error(error.to_string()).into());
+        let read = Look::read_text(&*self.system.files, &path);
+        self.is_gone = read.as_ref().is_err_and(is_not_there);
+        let read = read.map_err(|error| Diagnostic::error(error.to_string()).into());
         let parsed = read.and_then(|text| {
             Look::parse(&path, &text)?;
             let document = parse_look(&self.inputs, &text)?;
@@ -149,5 +178,13 @@ impl Session {
                 None
             }
         }
+    }
+}
+
+/// Whether there is no file.
+fn is_not_there(error: &LookError) -> bool {
+    match error {
+        LookError::Read { source, .. } => source.kind() == io::ErrorKind::NotFound,
+        LookError::Invalid(_) => false,
     }
 }

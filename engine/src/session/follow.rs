@@ -212,6 +212,8 @@ impl Session {
         self.problems.look = Diagnostics::new();
         // A texture that was in the way may not be wanted any more.
         self.again.sources |= !self.problems.sources.is_empty();
+        // Nor were files of the scene shown that came while the look was wrong.
+        self.again.assets |= std::mem::take(&mut self.is_behind);
     }
 
     /// Follows several changes, all or none.

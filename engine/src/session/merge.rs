@@ -1,6 +1,7 @@
 //! Two looks that were made from the same one, brought together: what one side has changed is changed, key by key of each table.
 //! What both sides have changed is named, so that somebody can be asked.
 
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
 use texgen::Diagnostics;
@@ -8,6 +9,17 @@ use texgen::Diagnostics;
 use crate::scene::look::{Field, Look, LookDocument, Section, Value, find};
 
 use super::edit::summary;
+
+type Named = fn(String) -> Section;
+
+/// Where a look's tables have names.
+const NAMED: [(&str, Named); 5] = [
+    ("light", Section::Light),
+    ("ao", Section::Ao),
+    ("node", Section::Node),
+    ("material", Section::Material),
+    ("graph", Section::Frame),
+];
 
 /// Two looks in one. Where both sides together would be no look, it is one of them as a whole.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -82,20 +94,20 @@ impl Merged {
 /// Changes `theirs` as `base` was changed to `mine`: what both have changed.
 fn bring(base: &[Field], mine: &[Field], theirs: &mut LookDocument, first: First) -> Vec<String> {
     let mut conflicts = Vec::new();
+    let (of_base, of_mine) = (Tables::of(base), Tables::of(mine));
     for section in sections(base, mine) {
-        let (old, new) = (table(base, &section), table(mine, &section));
+        let (old, new) = (of_base.get(&section), of_mine.get(&section));
+        if is_same_table(old, new) {
+            continue;
+        }
         let now = theirs.table(&section);
-        let is_same = |a: Option<&[Field]>, b: Option<&[Field]>| match (a, b) {
-            (Some(a), Some(b)) => Value::Table(a.to_vec()).is_same(&Value::Table(b.to_vec())),
-            (a, b) => a.is_none() && b.is_none(),
-        };
-        if is_same(old, new) || is_same(new, now.as_deref()) {
+        if is_same_table(new, now.as_deref()) {
             continue;
         }
         // A whole table that is gone here, or gone there.
         let (is_gone, was_gone) = (new.is_none(), now.is_none() && old.is_some());
         if is_gone || was_gone {
-            let is_conflict = !is_same(old, now.as_deref());
+            let is_conflict = !is_same_table(old, now.as_deref());
             if is_conflict {
                 conflicts.push(section.to_string());
             }
@@ -139,14 +151,11 @@ fn bring_keys(
     first: First,
 ) -> Vec<String> {
     let value = |fields, key: &str| find(fields, key).map(|value| value.value.clone());
-    let keys: Vec<&String> = old
-        .iter()
-        .chain(new)
-        .map(|field| &field.key.value)
-        .collect();
     let mut conflicts = Vec::new();
-    for (at, key) in keys.iter().enumerate() {
-        if keys[..at].contains(key) {
+    let mut seen = HashSet::new();
+    for Field { key, .. } in old.iter().chain(new) {
+        let key = key.value.as_str();
+        if !seen.insert(key) {
             continue;
         }
         let [before, wanted, there] = [value(old, key), value(new, key), value(now, key)];
@@ -178,40 +187,72 @@ fn is_same_value(a: &Option<Value>, b: &Option<Value>) -> bool {
     }
 }
 
+/// Whether two tables mean the same, or there are none.
+fn is_same_table(a: Option<&[Field]>, b: Option<&[Field]>) -> bool {
+    match (a, b) {
+        (Some(a), Some(b)) => {
+            let is_in_b = |Field { key, value }: &Field| {
+                find(b, &key.value).is_some_and(|other| other.value.is_same(&value.value))
+            };
+            a.len() == b.len() && a.iter().all(is_in_b)
+        }
+        (a, b) => a.is_none() && b.is_none(),
+    }
+}
+
 /// All tables of both.
 fn sections(a: &[Field], b: &[Field]) -> Vec<Section> {
-    type Named = fn(String) -> Section;
-    let named: [(&str, Named); 5] = [
-        ("light", Section::Light),
-        ("ao", Section::Ao),
-        ("node", Section::Node),
-        ("material", Section::Material),
-        ("graph", Section::Frame),
-    ];
     let mut all = vec![Section::Environment, Section::Camera, Section::View];
-    for (key, section) in named {
+    for (key, section) in NAMED {
         for fields in [a, b] {
-            if let Some(Value::Table(tables)) = find(fields, key).map(|value| &value.value) {
-                let names = tables.iter().map(|table| section(table.key.value.clone()));
-                all.extend(names);
-            }
+            let names = tables(fields, key).iter();
+            all.extend(names.map(|table| section(table.key.value.clone())));
         }
     }
-    let mut seen = std::collections::HashSet::new();
+    let mut seen = HashSet::new();
     all.retain(|section| seen.insert(section.clone()));
     all
 }
 
-/// The keys of a table.
-fn table<'f>(fields: &'f [Field], section: &Section) -> Option<&'f [Field]> {
-    let (key, name) = section.place();
-    let mut value = &find(fields, key)?.value;
-    if let (Some(name), Value::Table(tables)) = (name, value) {
-        value = &find(tables, name)?.value;
+/// The tables below a key.
+fn tables<'f>(fields: &'f [Field], key: &str) -> &'f [Field] {
+    match find(fields, key).map(|value| &value.value) {
+        Some(Value::Table(tables)) => tables,
+        _ => &[],
     }
-    match value {
-        Value::Table(fields) => Some(fields),
-        _ => None,
+}
+
+/// The tables of a look, found by their names: a look may have ten thousand.
+struct Tables<'f> {
+    fields: &'f [Field],
+    named: HashMap<&'static str, HashMap<&'f str, &'f Value>>,
+}
+
+impl<'f> Tables<'f> {
+    fn of(fields: &'f [Field]) -> Self {
+        let by_name = |key: &'static str| {
+            let named = tables(fields, key).iter();
+            let named: HashMap<&str, &Value> = named
+                .map(|table| (table.key.value.as_str(), &table.value.value))
+                .collect();
+            (key, named)
+        };
+        Self {
+            fields,
+            named: NAMED.into_iter().map(|(key, _)| by_name(key)).collect(),
+        }
+    }
+
+    /// The keys of a table.
+    fn get(&self, section: &Section) -> Option<&'f [Field]> {
+        let value: &'f Value = match section.place() {
+            (key, Some(name)) => self.named.get(key)?.get(name).copied()?,
+            (key, None) => &find(self.fields, key)?.value,
+        };
+        match value {
+            Value::Table(fields) => Some(fields),
+            _ => None,
+        }
     }
 }
 
@@ -304,5 +345,17 @@ mod tests {
         let both = merged(&inner, &outer);
         assert_eq!((&both.text, &both.theirs_first), (&inner, &outer));
         assert_eq!(both.conflicts.len(), 2, "{:?}", both.conflicts);
+    }
+
+    /// Where each table was searched among all others, this took minutes.
+    #[test]
+    fn very_many_tables_are_brought_together() {
+        let table = |i: usize| format!("[node.n{i}]\ntexture = 't'\nscale = 1\n");
+        let base: String = (0..80_000).map(table).collect();
+        let mine = base.replacen("scale = 1", "scale = 2", 1);
+        let theirs = format!("{base}[node.last]\ntexture = 't'\n");
+        let both = merge(Path::new("a.look.toml"), &base, &mine, &theirs).expect("looks");
+        assert!(both.conflicts.is_empty(), "{:?}", both.conflicts);
+        assert_eq!(both.text, theirs.replacen("scale = 1", "scale = 2", 1));
     }
 }

@@ -9,6 +9,7 @@
 //! | render | [`Session::step`], wave by wave |
 //! | see | [`Session::snapshot`] (a film), [`Session::device_film`] (on the device), [`Session::stats`], [`Session::problems`] |
 //! | save the look | [`Session::save`] |
+//! | keep edits that can't be saved | [`Recovery`] |
 //! | go to another moment of a scene that moves | [`Session::set_moment`] |
 //! | keep other layers of the film than at first | [`Session::set_layers`] |
 //! | bring edits together with what others have saved meanwhile | [`Session::look_changed_beside_edits`], [`merge`] |
@@ -41,9 +42,11 @@ pub mod json;
 mod lights;
 mod merge;
 mod moment;
+mod moved;
 mod open;
 mod patch;
 mod record;
+mod recovery;
 mod setting;
 mod view;
 
@@ -73,6 +76,7 @@ pub use edit::{Edit, summary, written};
 pub use error::SessionError;
 pub use merge::{Merged, merge};
 pub use open::{Inputs, MakeSettings, OpenDevice, Opening, Sequence};
+pub use recovery::Recovery;
 
 /// A picture as far as it is.
 #[derive(Debug, Clone)]
@@ -113,6 +117,10 @@ pub struct Session {
     job: Option<Job>,
     /// Something changed that the running job may not have seen.
     again: Again,
+    /// Files of the scene have changed that could not be shown with a look that is wrong: once it is mended they are read again.
+    is_behind: bool,
+    /// The look's file isn't there any more.
+    is_gone: bool,
     problems: Problems,
     warnings: Diagnostics,
     generation: u64,

@@ -241,6 +241,8 @@ impl Opening {
             renderer,
             job: None,
             again: Again::default(),
+            is_behind: false,
+            is_gone: false,
             problems: Problems::default(),
             warnings,
             generation: 0,

@@ -126,6 +126,10 @@ impl Files for Recorder {
         self.files.write(path, bytes)
     }
 
+    fn is_read_only(&self, path: &Path) -> bool {
+        self.files.is_read_only(path)
+    }
+
     fn id(&self, path: &Path) -> FileId {
         self.files.id(path)
     }

@@ -68,6 +68,16 @@ const TEXTURES: &[(&str, &str)] = &[
         "fn userProc() -> vec3f { return 0.5 + 0.5 * readAttr(Bitangent).xyz; }",
     ),
     (
+        "leaning",
+        "fn userProc(lean: vec3f) -> vec3f {
+            return readAttr(Tangent).xyz * lean.x + readAttr(Bitangent).xyz * lean.y + readAttr(Normal).xyz * lean.z;
+        }",
+    ),
+    (
+        "bend",
+        "fn userProc() -> vec3f { return vec3f(readAttr(Curvature).x); }",
+    ),
+    (
         "slope",
         "fn userProc(slope: vec2f) -> f32 { return dot(slope, readAttr(TexCoord0).xy); }",
     ),
@@ -547,11 +557,9 @@ fn a_bump_leans_the_normal_against_its_slope() {
     });
 }
 
-#[test]
-fn a_bump_seen_from_the_back_is_a_dent() {
-    let Some(device) = device::open() else { return };
+/// A white floor whose front faces down, so that a camera above it sees the back.
+fn from_behind() -> Scene {
     let mut room = scene([], Vec3::ZERO);
-    // The front faces down, so the camera sees the back: hills of the front are valleys here.
     let mut sheet = floor(2.0);
     sheet.triangles = vec![[0, 2, 1], [0, 3, 2]];
     sheet.normals = vec![Vec3::NEG_Y; 4];
@@ -563,6 +571,14 @@ fn a_bump_seen_from_the_back_is_a_dent() {
             ..lambert(Vec3::ONE)
         },
     );
+    room
+}
+
+#[test]
+fn a_bump_seen_from_the_back_is_a_dent() {
+    let Some(device) = device::open() else { return };
+    // Hills of the front are valleys here.
+    let mut room = from_behind();
     let from = Vec3::new(1.0, 1.5, 0.0);
     room.lights.push(sun(-from));
     let look = "[node.h]\ntexture='slope'\nslope=[1.0, 0.0]\n[material.'material 0']\nbump='h'\n";
@@ -575,6 +591,66 @@ fn a_bump_seen_from_the_back_is_a_dent() {
     let normal = Vec3::new(0.25, 1.0, 0.0).normalize();
     let expected = normal.dot(from.normalize()) / PI;
     assert_shows("bump from behind", &film, |_| Vec3::splat(expected));
+}
+
+#[test]
+fn a_normal_map_seen_from_the_back_leans_the_other_way() {
+    let Some(device) = device::open() else { return };
+    let from = Vec3::new(1.0, 1.5, 0.5);
+    let look =
+        "[node.n]\ntexture='leaning'\nlean=[0.5, 0.25, 1.0]\n[material.'material 0']\nnormal='n'\n";
+    let shot = Shot {
+        size: (16, 16),
+        max_depth: 1,
+        spp: 64,
+    };
+    // u runs along x, and up in the picture is along z. What leans there on the front is, from behind, the opposite of it.
+    let front = Vec3::new(0.5, 1.0, 0.25).normalize();
+    let back = Vec3::new(-0.5, 1.0, -0.25).normalize();
+    let over = scene([(floor(2.0), lambert(Vec3::ONE))], Vec3::ZERO);
+    for (mut room, normal) in [(over, front), (from_behind(), back)] {
+        room.lights.push(sun(-from));
+        let film = view(&device, &mut room, look, &from_above(1.0, 1.0), shot);
+        let expected = normal.dot(from.normalize()) / PI;
+        assert_shows("leaning normal", &film, |_| Vec3::splat(expected));
+    }
+}
+
+#[test]
+fn curvature_does_not_depend_on_the_triangles() {
+    let Some(device) = device::open() else { return };
+    let look = "[node.n]\ntexture='bend'\n[material.'material 0']\nemission='n'\n";
+    let shot = Shot {
+        size: (16, 16),
+        max_depth: 1,
+        spp: 16,
+    };
+    // Strips across a cylinder of radius 2 along z, wide and narrow.
+    for (columns, rows) in [(4, 1), (4, 32), (10, 2)] {
+        let point = |x: u32, y: u32| {
+            let angle = 1.4 * (x as f32 / columns as f32 - 0.5);
+            let normal = Vec3::new(angle.sin(), angle.cos(), 0.0);
+            let along = Vec3::Z * (2.0 - 4.0 * y as f32 / rows as f32);
+            (2.0 * (normal - Vec3::Y) + along, normal)
+        };
+        let mut hill = floor(1.0);
+        (hill.positions, hill.normals) = (0..=rows)
+            .flat_map(|y| (0..=columns).map(move |x| (x, y)))
+            .map(|(x, y)| point(x, y))
+            .unzip();
+        hill.uv0 = Vec::new();
+        hill.triangles = (0..rows)
+            .flat_map(|y| (0..columns).map(move |x| y * (columns + 1) + x))
+            .flat_map(|a| {
+                let c = a + columns + 2;
+                [[a, a + 1, c], [a, c, c - 1]]
+            })
+            .collect();
+        hill.triangle_materials = vec![0; hill.triangles.len()];
+        let mut room = scene([(hill, lambert(Vec3::ZERO))], Vec3::ZERO);
+        let film = view(&device, &mut room, look, &from_above(1.0, 1.0), shot);
+        assert_shows("curvature", &film, |_| Vec3::splat(0.25));
+    }
 }
 
 /// Files' meshes are given tangents where something reads them; a kernel does without.

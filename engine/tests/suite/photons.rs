@@ -5,7 +5,7 @@ use engine::film::{Crop, Film};
 use engine::procedural::TextureSources;
 use engine::renderer::Renderer;
 use engine::scene::{
-    Environment, FloatImage, LightKind, Material, Projection, PunctualLight, Scene,
+    AlphaMode, Environment, FloatImage, LightKind, Material, Projection, PunctualLight, Scene,
 };
 use engine::settings::{Divided, Method, RenderSettings};
 use glam::Vec3;
@@ -14,7 +14,7 @@ use crate::light_cache::{film, mean, room};
 use crate::support::device;
 use crate::support::scenes::{
     Shot, add, camera, faceted_sphere, lambert, lamp, no_textures, quad, render_with, scene,
-    settings, textured,
+    settings, textured, unlit,
 };
 
 /// So many paths go ahead of a cache where it doesn't matter how right its records are.
@@ -217,17 +217,86 @@ fn the_light_of_every_kind_of_lamp_counts_once() {
     }
 }
 
+/// As [`agree`], of a scene that is seen from below its glass, by so many samples.
+fn agree_below(name: &str, device: &Device, scene: &Scene, spp: [u32; 2], most: [f32; 2]) {
+    let of = |device: &Device, seed, method, spp| {
+        film(device, scene.clone(), &seen_below(seed, method), spp)
+    };
+    let path = of(&device::open_for_reference(), 5, Method::Path, spp[0]);
+    let photons = of(device, 1, Method::Photons, spp[1]);
+    compare(name, &path, &photons, most);
+}
+
 #[test]
 fn caustics_of_glass_are_those_of_paths() {
     let Some(device) = device::open() else { return };
-    let of = |device: &Device, method| {
-        let (seed, spp) = match method {
-            Method::Photons => (1, 64),
-            _ => (5, 4096),
-        };
-        film(device, below_glass(), &seen_below(seed, method), spp)
+    agree_below("glass", &device, &below_glass(), [4096, 64], [0.01, 0.05]);
+}
+
+/// As many photons come to a surface as it covers of them, and as many paths ask for them there: not once more.
+#[test]
+fn surfaces_that_cover_a_part_have_that_part_of_caustics() {
+    let Some(device) = device::open() else { return };
+    let mut scene = below_glass();
+    scene.materials[0].alpha_mode = AlphaMode::Blend;
+    scene.materials[0].base_color.w = 0.4;
+    agree_below("half a floor", &device, &scene, [8192, 512], [0.01, 0.06]);
+}
+
+/// Rays leave the curved surface that the normals of a coarse mesh suggest, and photons lie there, too.
+#[test]
+fn caustics_lie_on_curved_surfaces() {
+    let Some(device) = device::open() else { return };
+    let mut scene = below_glass();
+    let mut ball = faceted_sphere(4);
+    ball.normals.clone_from(&ball.positions);
+    for position in &mut ball.positions {
+        *position = *position * 0.25 - Vec3::Y * 0.05;
+    }
+    add(&mut scene, ball, lambert(Vec3::new(0.7, 0.7, 0.6)));
+    // They lie apart there as far as the curved surface is larger than the triangles.
+    agree_below("a coarse ball", &device, &scene, [8192, 256], [0.05, 0.2]);
+}
+
+/// No photons come from a lamp that light samples know nothing of: what glass throws of it is left to paths.
+#[test]
+fn unlit_surfaces_shine_through_glass() {
+    let Some(device) = device::open() else { return };
+    let mut scene = below_glass();
+    scene.materials[2] = unlit(Vec3::splat(20.0).extend(1.0));
+    // Without a lamp there would be no photons at all.
+    let panel = quad(Vec3::new(1.2, 2.0, -0.25), Vec3::X * 0.5, Vec3::Z * 0.5);
+    add(&mut scene, panel, lamp(Vec3::splat(2.0)));
+    agree_below("an unlit lamp", &device, &scene, [8192, 2048], [0.01, 0.06]);
+}
+
+/// From the very middle of one body others are where they are.
+#[test]
+fn a_light_in_the_middle_of_a_body_lights_the_others_once() {
+    let Some(device) = device::open() else { return };
+    let mean_of = |aside: f32| {
+        let mut scene = below_glass();
+        scene.materials[2].emission = Vec3::ZERO;
+        let mut globe = faceted_sphere(24);
+        for position in &mut globe.positions {
+            *position = *position * 0.3 + Vec3::new(0.0, 1.9, 0.0);
+        }
+        let glass = scene.materials[1].clone();
+        add(&mut scene, globe, glass);
+        let middle = Vec3::new(aside, 1.9, 0.0);
+        scene.lights.push(PunctualLight {
+            name: "bulb".to_owned(),
+            intensity: Vec3::splat(10.0),
+            position: middle,
+            direction: Vec3::NEG_Y,
+            range: f32::INFINITY,
+            kind: LightKind::Point,
+        });
+        mean(&film(&device, scene, &seen_below(1, Method::Photons), 64))
     };
-    agree("glass", &device, of, 0.05);
+    let (there, beside) = (mean_of(0.0), mean_of(1e-3));
+    let off = (there / beside - 1.0).abs().max_element();
+    assert!(off < 0.03, "{there} and {beside}");
 }
 
 /// Radiance is denser in glass, and scattered as such; the flux of a photon that begins there is what it is.

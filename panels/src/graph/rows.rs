@@ -223,6 +223,7 @@ fn inputs(cx: &Context<'_>, subject: GraphItem<'_>) -> Vec<Input> {
                 let section = Section::Material(material.to_owned());
                 let constant = || {
                     let written = cx.document.value(&section, key.key);
+                    let written = written.map(|value| value.at(0.0));
                     let constant = written.or_else(|| key.written(cx.scene_material(material)));
                     shown(
                         &key.shown(&constant?)?,

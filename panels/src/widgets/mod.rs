@@ -4,6 +4,7 @@ mod browse;
 mod focus;
 mod image_slot;
 mod menu;
+mod number;
 mod ramp;
 mod value;
 
@@ -14,7 +15,8 @@ pub use browse::{Answer, Browser, Choice, FileDialogs, FileRequest, Purpose, nam
 pub use focus::{asks_for_menu, keyboard_is_used, show_focus};
 pub(crate) use image_slot::{ImageSlot, image_slot};
 pub(crate) use menu::{context_menu, menu, row_menu, scrolled};
-pub(crate) use value::{Bounds, Spec, edit};
+pub use number::number_field;
+pub(crate) use value::{Bounds, Spec, edit_steady};
 
 /// What a widget shows, and what it has become.
 pub(crate) struct Edited<T> {

@@ -10,6 +10,7 @@ use egui::{
 };
 use texgen::{Interpolation, Ramp};
 
+use super::number::number_field;
 use super::{Edited, choice, describe, name};
 
 const HEIGHT: f32 = 22.0;
@@ -312,7 +313,7 @@ fn details(ui: &mut Ui, label: &str, ramp: &mut Ramp, selected: &mut usize) -> b
             .range(before..=after)
             .clamp_existing_to_range(false)
             .max_decimals(4);
-        let position = ui.add(position);
+        let position = number_field(ui, position);
         name(&position, &format!("{label} position"));
         changed |= position.changed();
         let mut rgb = [stop.1[0], stop.1[1], stop.1[2]];

@@ -3,6 +3,7 @@
 use egui::{DragValue, PointerButton, Response, Slider, SliderClamping, Ui};
 use texgen::{Parameter, Value, Widget};
 
+use super::number::number_field;
 use super::{Edited, name, ramp};
 
 /// Which values a number may take.
@@ -105,6 +106,27 @@ pub(crate) fn edit(ui: &mut Ui, spec: &Spec<'_>, value: &Value) -> Edited<Value>
     }
 }
 
+/// The same of what the look has written, where that is anything. A value that changes with time is shown as it is at the beginning, and
+/// stays as it is: a constant would take its keys away.
+pub(crate) fn edit_steady(
+    ui: &mut Ui,
+    spec: &Spec<'_>,
+    value: &Value,
+    written: Option<&engine::scene::look::Value>,
+) -> Edited<Value> {
+    if !written.is_some_and(engine::scene::look::Value::has_keys) {
+        return edit(ui, spec, value);
+    }
+    let shown = ui.add_enabled_ui(false, |ui| edit(ui, spec, value));
+    let help = "it changes with time: its keys are changed in the file of the look; Reset, by a right click, takes them away";
+    ui.weak("has keys").on_hover_text(help);
+    Edited {
+        response: shown.inner.response,
+        // What isn't enabled can still be set by assistive technology.
+        value: None,
+    }
+}
+
 impl<T> Edited<T> {
     fn map<U>(self, convert: impl FnOnce(T) -> U) -> Edited<U> {
         Edited {
@@ -145,7 +167,7 @@ fn number_in(ui: &mut Ui, spec: &Spec<'_>, value: f32, decimals: usize) -> Edite
     let field = drag_value(&mut shown, spec, scale)
         .suffix(suffix)
         .max_decimals(decimals);
-    let field = ui.add(field);
+    let field = number_field(ui, field);
     name(&field, &field_name);
     changed |= field.changed();
     let response = match response {
@@ -211,7 +233,7 @@ fn whole(ui: &mut Ui, spec: &Spec<'_>, value: i64, bounds: (i64, i64)) -> Edited
         .clamp_existing_to_range(false)
         .speed(0.1)
         .suffix(suffix);
-    let field = ui.add(field);
+    let field = number_field(ui, field);
     name(&field, &field_name);
     let mut response = match response {
         Some(slider) => slider | field,

@@ -7,6 +7,7 @@ mod history;
 mod keyboard;
 mod large;
 mod names;
+mod numbers;
 mod picture;
 mod placing;
 mod selecting;

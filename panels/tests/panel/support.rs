@@ -37,6 +37,15 @@ pub(crate) struct State {
 }
 
 pub(crate) fn harness(form: Form) -> Harness<'static, State> {
+    harness_of(form, LOOK, textures(), &["Iron", "Paint"])
+}
+
+/// A panel with another look that uses the same textures.
+pub(crate) fn harness_with(form: Form, look: &str) -> Harness<'static, State> {
+    harness_of(form, look, textures(), &["Iron", "Paint"])
+}
+
+fn textures() -> Textures {
     let mut sources = TextureSources::default();
     sources.insert("mask", MASK);
     sources.insert("tint", TINT);
@@ -50,7 +59,7 @@ pub(crate) fn harness(form: Form) -> Harness<'static, State> {
         .map(|t| t.name())
         .collect();
     assert_eq!(good, ["mask", "picture", "tint"], "{:?}", textures.broken);
-    harness_of(form, LOOK, textures, &["Iron", "Paint"])
+    textures
 }
 
 /// A panel with any look, for a scene with some materials, the first of which is shown.

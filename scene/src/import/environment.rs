@@ -28,9 +28,12 @@ pub fn load_environment_image(
     // The decoders are foreign code fed with foreign bytes: a panic in one must not end the program.
     let decoded = texgen::guarded(|| panorama::decode(bytes))
         .unwrap_or_else(|_| Err("the decoder gave up on it".into()));
-    let (mut image, notes) = decoded.map_err(|problem| ImportError::Environment {
-        path: path.to_owned(),
-        problem,
+    let (mut image, notes) = decoded.map_err(|problem| {
+        let path = path.to_owned();
+        match problem.ends_with(panorama::SCALE_IT_DOWN) {
+            true => ImportError::TooLarge { path, problem },
+            false => ImportError::Environment { path, problem },
+        }
     })?;
     let mut bad = 0u64;
     for value in image.rgb.iter_mut().flatten() {

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, thiserror::Error)]
 pub enum ImportError {
     /// A file is missing or cannot be read.
-    #[error("cannot read {}: {source}; check the path and the permissions", path.display())]
+    #[error("cannot read {}: {source}{}", path.display(), crate::input::remedy(source))]
     Read {
         /// The file.
         path: PathBuf,

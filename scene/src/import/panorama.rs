@@ -271,6 +271,9 @@ impl Frame {
     }
 }
 
+/// What helps where a picture is too large, whatever its format.
+pub(super) const SCALE_IT_DOWN: &str = "scale it down";
+
 fn check_size(width: usize, height: usize) -> Result<(), Fault> {
     let texels = (width as u64).saturating_mul(height as u64);
     if width == 0 || height == 0 {
@@ -278,7 +281,7 @@ fn check_size(width: usize, height: usize) -> Result<(), Fault> {
     }
     if width > MAX_SIDE || height > MAX_SIDE || texels > MAX_TEXELS {
         return Err(format!(
-            "claims {width} x {height} texels; at most 2^27 are read, as 16384 x 8192 has, and no side longer than {MAX_SIDE}"
+            "claims {width} x {height} texels; at most 2^27 are read, as 16384 x 8192 has, and no side longer than {MAX_SIDE}; {SCALE_IT_DOWN}"
         ));
     }
     Ok(())
@@ -402,6 +405,7 @@ mod tests {
         let size = (picture.len() as u32).to_le_bytes();
         let message = decode([b"RIFF".as_slice(), &size, &picture].concat()).unwrap_err();
         assert!(message.contains("14337 x 8322"), "{message}");
+        assert!(message.ends_with(SCALE_IT_DOWN), "{message}");
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! The pictures of a scene: decoded in parallel and within limits, each of them once whatever shows it.
 
 use super::budget::Budget;
-use super::error::{Fault, ImportError};
+use super::error::{Fault, ImportError, Warnings};
 use crate::Image;
 use crate::input::{FileId, Files};
 use image::{DynamicImage, ImageDecoder as _, ImageFormat, ImageReader, Limits};
@@ -50,12 +50,14 @@ pub(super) struct Pictures(HashMap<(Key, bool), u32>);
 
 impl Pictures {
     /// The requested pictures that the scene, which has those of `held`, doesn't have yet, and where each of the
-    /// requested ones will stand. A request is a number in the album, and whether RGB is sRGB-encoded.
+    /// requested ones will stand. A request is a number in the album, and whether RGB is sRGB-encoded. Warns of those that
+    /// lose depth.
     pub(super) fn load(
         &mut self,
         album: &impl Album,
         requests: &[(usize, bool)],
         held: &[Image],
+        warnings: &mut Warnings,
     ) -> Result<(Vec<Image>, Vec<u32>), ImportError> {
         let (mut missing, mut added, mut slots) = (Vec::new(), Vec::new(), Vec::new());
         for &(index, srgb) in requests {
@@ -68,7 +70,7 @@ impl Pictures {
             });
             slots.push(slot);
         }
-        let images = load(album, &missing, held)?;
+        let images = load(album, &missing, held, warnings)?;
         self.0.extend(added);
         Ok((images, slots))
     }
@@ -86,16 +88,23 @@ fn load(
     album: &impl Album,
     requests: &[(usize, bool)],
     held: &[Image],
+    warnings: &mut Warnings,
 ) -> Result<Vec<Image>, ImportError> {
     let mut wanted: Vec<usize> = requests.iter().map(|&(index, _)| index).collect();
     wanted.sort_unstable();
     wanted.dedup();
     let budget = budget(held);
-    let decoded: Vec<Image> = wanted
+    let read: Vec<(Image, Option<String>)> = wanted
         .par_iter()
         .map(|&index| load_one(album, index, &budget))
         .collect::<Result<_, _>>()?;
-    let mut decoded: Vec<Option<Image>> = decoded.into_iter().map(Some).collect();
+    let mut decoded: Vec<Option<Image>> = Vec::with_capacity(read.len());
+    for (image, lost) in read {
+        decoded.push(Some(image));
+        if let Some(lost) = lost {
+            warnings.push(lost);
+        }
+    }
 
     // A picture has at most two uses; the first one of two gets a copy.
     let mut uses_left = vec![0u32; wanted.len()];
@@ -129,7 +138,8 @@ fn load(
     Ok(images)
 }
 
-/// Reads one picture file by itself, for a scene that has those of `held`: PNG, JPEG or WebP.
+/// Reads one picture file by itself, for a scene that has those of `held`: PNG, JPEG or WebP. Returns it with a warning where
+/// it loses depth: pictures are kept with eight bits a channel.
 ///
 /// # Errors
 /// One sentence without the path.
@@ -138,21 +148,19 @@ pub fn load_picture(
     path: &Path,
     srgb: bool,
     held: &[Image],
-) -> Result<Image, String> {
+) -> Result<(Image, Option<String>), String> {
     let bytes = files
         .read(path, MAX_FILE)
         .map_err(|error| format!("cannot read it: {error}"))?;
     let decoded = decode_guarded(&bytes, &budget(held))?;
-    Ok(Image {
-        name: path.display().to_string(),
-        width: decoded.width(),
-        height: decoded.height(),
-        rgba8: decoded.into_rgba8().into_raw().into(),
-        srgb,
-    })
+    Ok(kept(path.display().to_string(), decoded, srgb))
 }
 
-fn load_one(album: &impl Album, index: usize, budget: &Budget) -> Result<Image, ImportError> {
+fn load_one(
+    album: &impl Album,
+    index: usize,
+    budget: &Budget,
+) -> Result<(Image, Option<String>), ImportError> {
     let name = album.name(index);
     let failed = |problem: Fault| ImportError::Image {
         path: album.path().to_owned(),
@@ -161,13 +169,23 @@ fn load_one(album: &impl Album, index: usize, budget: &Budget) -> Result<Image, 
     };
     let bytes = album.bytes(index).map_err(failed)?;
     let decoded = decode_guarded(&bytes, budget).map_err(failed)?;
-    Ok(Image {
+    Ok(kept(name, decoded, false))
+}
+
+/// A picture as scenes have it, and a warning where that is less than what its file has.
+fn kept(name: String, decoded: DynamicImage, srgb: bool) -> (Image, Option<String>) {
+    let color = decoded.color();
+    // None of the formats has more than 16.
+    let lost = (color.bytes_per_pixel() > color.channel_count())
+        .then(|| format!("{name} has 16 bits a channel; 8 are kept: slopes from it are terraced"));
+    let image = Image {
         name,
         width: decoded.width(),
         height: decoded.height(),
         rgba8: decoded.into_rgba8().into_raw().into(),
-        srgb: false,
-    })
+        srgb,
+    };
+    (image, lost)
 }
 
 /// Decodes, and turns a panic of the decoder into an error: the decoders are foreign code fed with foreign bytes, and
@@ -222,10 +240,23 @@ mod tests {
     fn sixteen_bits_and_grey_become_eight_bit_rgba() {
         let grey = image::ImageBuffer::from_pixel(2, 1, image::Luma([0x8080u16]));
         let decoded = decode(&png(DynamicImage::ImageLuma16(grey)), &Budget::new(100)).unwrap();
-        assert_eq!(
-            decoded.into_rgba8().into_raw(),
-            [128, 128, 128, 255].repeat(2)
-        );
+        let (image, lost) = kept("h.png".to_owned(), decoded, false);
+        assert_eq!(*image.rgba8, [128, 128, 128, 255].repeat(2));
+        let lost = lost.expect("eight bits of sixteen are a loss");
+        assert!(lost.starts_with("h.png has 16 bits a channel"), "{lost}");
+    }
+
+    #[test]
+    fn eight_bits_lose_nothing() {
+        for image in [
+            DynamicImage::new_luma8(2, 1),
+            DynamicImage::new_luma_a8(2, 1),
+            DynamicImage::new_rgb8(2, 1),
+            DynamicImage::new_rgba8(2, 1),
+        ] {
+            let decoded = decode(&png(image), &Budget::new(100)).unwrap();
+            assert_eq!(kept(String::new(), decoded, true).1, None);
+        }
     }
 
     #[test]

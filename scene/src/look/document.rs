@@ -7,7 +7,7 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use texgen::{Diagnostic, Diagnostics, SourceFile};
-use toml_edit::{DocumentMut, Item, Table, TableLike};
+use toml_edit::{Decor, DocumentMut, Item, Table, TableLike};
 
 use crate::aside;
 
@@ -73,7 +73,13 @@ pub struct LookDocument {
 
 /// A table put aside.
 #[derive(Debug)]
-pub struct Kept(Option<Item>);
+pub struct Kept {
+    item: Option<Item>,
+    /// What stands around the key of a value outside of all tables.
+    around_key: Option<Decor>,
+    /// Comments at the top of the text that belong to nothing that follows.
+    head: String,
+}
 
 impl LookDocument {
     /// Parses a text that lies at `path`. Only its TOML is checked.
@@ -191,8 +197,9 @@ impl LookDocument {
         table.remove(last);
     }
 
-    /// Takes a whole table away, if it is there.
+    /// Takes a whole table away, if it is there. Comments at the top of the text are of the whole look, and stay.
     pub fn remove_table(&mut self, section: &Section) {
+        let head = self.head_of(section);
         match section.place() {
             (key, None) => {
                 self.document.remove(key);
@@ -203,25 +210,48 @@ impl LookDocument {
                 }
             }
         }
+        if let Some(mut head) = head {
+            let former = self.head();
+            let rest = self.document.to_string();
+            let rest = rest.strip_prefix(&former).unwrap_or(&rest);
+            // No more lines stay empty than there were.
+            if head.ends_with("\n\n") && (rest.is_empty() || rest.starts_with('\n')) {
+                head.pop();
+            }
+            self.set_head(former + &head);
+        }
     }
 
     /// A copy of a table as it is written, to be [put back](Self::put_back).
     pub fn keep(&self, section: &Section) -> Kept {
         let (key, name) = section.place();
         let item = self.document.get(key);
-        Kept(match name {
-            Some(name) => item
-                .and_then(|item| item.as_table_like()?.get(name))
-                .cloned(),
-            None => item.cloned(),
-        })
+        let around_key = self.document.as_table().key(key);
+        Kept {
+            item: match name {
+                Some(name) => item
+                    .and_then(|item| item.as_table_like()?.get(name))
+                    .cloned(),
+                None => item.cloned(),
+            },
+            around_key: around_key
+                .filter(|_| name.is_none())
+                .map(|key| key.leaf_decor().clone()),
+            head: self.head(),
+        }
     }
 
     /// Makes a table what it was, to the byte.
     pub fn put_back(&mut self, section: &Section, kept: Kept) {
-        let Some(item) = kept.0 else {
+        let Kept {
+            item,
+            around_key,
+            head,
+        } = kept;
+        let Some(item) = item else {
             return self.remove_table(section);
         };
+        self.set_head(head);
         let (key, name) = section.place();
         let parent: Option<&mut dyn TableLike> = match name {
             None => Some(self.document.as_table_mut()),
@@ -236,7 +266,58 @@ impl LookDocument {
             Some(now) => *now = item,
             None => {
                 parent.insert(name, item);
+                if let Some(decor) = around_key
+                    && let Some(mut key) = self.document.as_table_mut().key_mut(name)
+                {
+                    *key.leaf_decor_mut() = decor;
+                }
             }
+        }
+    }
+
+    /// What stands at the top of the text, and belongs to nothing that follows.
+    fn head(&self) -> String {
+        let prefix = self.document.as_table().decor().prefix();
+        let prefix = prefix.and_then(|prefix| prefix.as_str());
+        prefix.unwrap_or_default().to_owned()
+    }
+
+    fn set_head(&mut self, head: String) {
+        if head != self.head() {
+            self.document.as_table_mut().decor_mut().set_prefix(head);
+        }
+    }
+
+    /// The comments above a table with which the text begins, as far as they are of the whole look: those right above the name of a
+    /// table in brackets are its own.
+    fn head_of(&self, section: &Section) -> Option<String> {
+        let root = self.document.as_table();
+        let (key, name) = section.place();
+        let mut item = root.get(key)?;
+        if let Some(name) = name {
+            item = item.as_table()?.get(name)?;
+        }
+        let above = |decor: &Decor| -> Option<String> {
+            let above = decor.prefix()?.as_str()?.replace('\r', "");
+            above.contains('#').then_some(above)
+        };
+        // Values stand above all tables.
+        let mut values = root.iter().filter(|(_, item)| {
+            let is_dotted = item.as_table().is_some_and(Table::is_dotted);
+            item.is_value() || is_dotted
+        });
+        match (item, values.next()) {
+            (Item::Value(_), Some((first, _))) if name.is_none() && first == key => {
+                above(root.key(key)?.leaf_decor())
+            }
+            (Item::Table(table), None) => {
+                let mut above = above(table.decor())?;
+                above.truncate(above.rfind("\n\n")? + 2);
+                let at = table.position();
+                let is_first = at.is_some() && at == first_position(root);
+                (is_first && above.contains('#')).then_some(above)
+            }
+            _ => None,
         }
     }
 
@@ -288,6 +369,20 @@ impl LookDocument {
         };
         item.as_table_like_mut().ok_or_else(in_the_way)
     }
+}
+
+/// Where the first one of the tables below stands among all.
+fn first_position(table: &Table) -> Option<isize> {
+    let of = |table: &Table| {
+        let own = table.position().filter(|_| !table.is_implicit());
+        own.into_iter().chain(first_position(table)).min()
+    };
+    let below = table.iter().filter_map(|(_, item)| match item {
+        Item::Table(table) => of(table),
+        Item::ArrayOfTables(tables) => tables.iter().filter_map(of).min(),
+        _ => None,
+    });
+    below.min()
 }
 
 #[cfg(test)]
@@ -372,6 +467,58 @@ mod tests {
             document.text(),
             TEXT.replace("scale   = 4     # odd spacing\n", "")
         );
+    }
+
+    #[test]
+    fn comments_at_the_top_stay_there() {
+        let environment = "# A room.\n# By me.\nenvironment = { color = [1, 1, 1] } # white\n";
+        let table = "\n[node.a]\ntexture = 't'\n";
+        let nodes = "# A valve.\n\n# The first.\n[node.a]\ntexture = 't'\n\n# The second.\n[node.b]\ntexture = 't'\n";
+        for (text, section, left) in [
+            (
+                format!("{environment}{table}"),
+                Section::Environment,
+                format!("# A room.\n# By me.\n{table}"),
+            ),
+            (
+                environment.to_owned(),
+                Section::Environment,
+                "# A room.\n# By me.\n".to_owned(),
+            ),
+            (
+                nodes.to_owned(),
+                node("a"),
+                "# A valve.\n\n# The second.\n[node.b]\ntexture = 't'\n".to_owned(),
+            ),
+            (
+                nodes.to_owned(),
+                node("b"),
+                "# A valve.\n\n# The first.\n[node.a]\ntexture = 't'\n".to_owned(),
+            ),
+            (
+                "# A view.\n\n[view]\nexposure = 1\n".to_owned(),
+                Section::View,
+                "# A view.\n".to_owned(),
+            ),
+            (
+                "# Bright.\n[view]\nexposure = 1\n".to_owned(),
+                Section::View,
+                String::new(),
+            ),
+        ] {
+            let mut document = parsed(&text);
+            let kept = document.keep(&section);
+            document.remove_table(&section);
+            assert_eq!(document.text(), left);
+            document.put_back(&section, kept);
+            assert_eq!(document.text(), text);
+        }
+        // Whatever goes after that.
+        let mut document = parsed(&nodes.replace('\n', "\r\n"));
+        for name in ["a", "b"] {
+            document.remove_table(&node(name));
+        }
+        assert_eq!(document.text(), "# A valve.\r\n");
     }
 
     #[test]

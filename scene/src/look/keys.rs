@@ -80,6 +80,25 @@ pub(super) fn resolve(fields: &mut [Field], seconds: f64) {
     }
 }
 
+impl Value {
+    /// Whether it, or something in it, changes with time.
+    pub fn has_keys(&self) -> bool {
+        match (list_of(self), self) {
+            (Some(_), _) => true,
+            (None, Self::Table(fields)) => fields.iter().any(|f| f.value.value.has_keys()),
+            (None, Self::List(items)) => items.iter().any(|item| item.value.has_keys()),
+            _ => false,
+        }
+    }
+
+    /// As it is after so many seconds; keys that make no sense stay as they are.
+    pub fn at(&self, seconds: f64) -> Self {
+        let mut value = Spanned::new(self.clone(), 0..0);
+        resolve_value(&mut value, seconds);
+        value.value
+    }
+}
+
 fn resolve_value(value: &mut Spanned<Value>, seconds: f64) {
     if let Some(list) = list_of(&value.value) {
         if read(list, &value.span).is_ok()
@@ -409,6 +428,10 @@ mod tests {
         assert_eq!(value(whole, 3.5), Value::Float(4.5));
         let keyed = parse_value(whole).expect("it is TOML");
         assert_eq!(steady(&keyed, 3.5).value, Value::Integer(3));
+        assert!(keyed.value.has_keys() && !keyed.value.at(1.0).has_keys());
+        assert_eq!(keyed.value.at(1.0), Value::Integer(3));
+        let partly = parse_value("[0, { keys = [[0, 1.0]] }]").expect("it is TOML");
+        assert!(partly.value.has_keys());
         let lists = value("{ keys = [[0, [0, 2]], [2, [4, 0]]] }", 0.5);
         let wanted = parse_value("[1, 1.5]").expect("it is TOML").value;
         assert!(lists.is_same(&wanted), "{lists:?}");

@@ -6,7 +6,7 @@ use crate::UNGROUPED;
 use crate::sky::Sky;
 
 use super::EnvironmentLook;
-use super::reader::{Reader, unit};
+use super::reader::{LONGEST_NAME, Reader, unit};
 use super::value::{Field, Spanned, Value};
 
 /// The most radiance of an environment, and the largest factor on one: what becomes of it are sums of many.
@@ -106,6 +106,14 @@ pub(super) fn group(reader: &mut Reader, value: &Spanned<Value>) -> Option<Spann
             &value.span,
             "a group of lights has a name of letters, digits, `_` and `-`",
             "it becomes part of the name of a layer, as in group = \"key\"",
+        );
+        return None;
+    }
+    if name.value.len() > LONGEST_NAME {
+        reader.problem_with_note(
+            &value.span,
+            format!("the name of a group of lights is too long: {LONGEST_NAME} letters at most"),
+            "it becomes part of the names of channels, and OpenEXR files hold no longer ones; choose a shorter one",
         );
         return None;
     }

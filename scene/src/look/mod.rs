@@ -336,7 +336,7 @@ pub struct Include {
 #[derive(Debug, thiserror::Error)]
 pub enum LookError {
     /// The file can't be read.
-    #[error("cannot read the look {}: {source}; check the path and the permissions", path.display())]
+    #[error("cannot read the look {}: {source}{}", path.display(), input::remedy(source))]
     Read {
         /// The file.
         path: PathBuf,

@@ -18,7 +18,7 @@ use super::keys;
 use super::lamp::light;
 use super::light::{environment, environment_group};
 use super::material::{MaterialLook, material};
-use super::reader::{Reader, choice, is_name, unquoted};
+use super::reader::{LONGEST_NAME, Reader, choice, is_name, unquoted};
 use super::value::{Field, Span, Spanned, Value, fields, find};
 use super::view::view;
 use super::{
@@ -506,6 +506,14 @@ fn scale(reader: &mut Reader, value: &Spanned<Value>) -> Option<Vec3> {
 }
 
 fn check_name(reader: &mut Reader, name: &Spanned<String>, what: &str) {
+    if name.value.len() > LONGEST_NAME {
+        reader.problem_with_note(
+            &name.span,
+            format!("the name of {what} is too long: {LONGEST_NAME} bytes at most"),
+            "it may become part of the names of channels, and OpenEXR files hold no longer ones; choose a shorter one",
+        );
+        return;
+    }
     if !is_name(&name.value) {
         reader.problem(
             &name.span,

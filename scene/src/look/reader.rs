@@ -378,6 +378,10 @@ pub fn link_text(text: &str) -> Result<Link, String> {
     })
 }
 
+/// Longest name of what becomes part of the name of a layer, bytes: channels of OpenEXR files have names of 255 bytes at most, with that of
+/// the layer, and readers give up on longer ones.
+pub(super) const LONGEST_NAME: usize = 200;
+
 /// Whether nodes and AO tables may be called this: letters, digits, `_` and `-`, as in a TOML key without quotes.
 pub(super) fn is_name(text: &str) -> bool {
     !text.is_empty()

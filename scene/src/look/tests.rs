@@ -274,6 +274,13 @@ fn mistakes_of_value_are_explained() {
     );
     one_problem("[node]\ntexture = 'fbm'", 2, 1, "name is missing");
     one_problem("[node.'a.b']\ntexture = 'fbm'", 1, 7, "can't name a node");
+    let [fits, long] = [200, 201].map(|length| "n".repeat(length));
+    parse(&format!("[node.{fits}]\ntexture = 'fbm'"));
+    parse(&format!("[light.sun]\ngroup = '{fits}'"));
+    let node = format!("[node.{long}]\ntexture = 'fbm'");
+    one_problem(&node, 1, 7, "choose a shorter one");
+    let group = format!("[light.sun]\ngroup = '{long}'");
+    one_problem(&group, 2, 9, "choose a shorter one");
     one_problem("a = ", 1, 5, "not valid TOML");
     one_problem("camera = 2020-01-01", 1, 10, "found a date");
 }

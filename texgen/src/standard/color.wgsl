@@ -27,7 +27,8 @@ fn hsvToRgb(hsv: vec3f) -> vec3f {
     return hsv.z * mix(vec3f(1.0), ramp, hsv.y);
 }
 
-// Hue, saturation and lightness.
+// Hue, saturation and lightness. Light brighter than white has a lightness above 1, and a saturation below 0 there; the way back
+// gives the same light.
 fn rgbToHsl(rgb: vec3f) -> vec3f {
     let most = max(rgb.r, max(rgb.g, rgb.b));
     let least = min(rgb.r, min(rgb.g, rgb.b));
@@ -36,11 +37,17 @@ fn rgbToHsl(rgb: vec3f) -> vec3f {
     if spread <= 0.0 {
         return vec3f(0.0, 0.0, lightness);
     }
-    return vec3f(hueOf(rgb, most, spread), spread / max(1.0 - abs(2.0 * lightness - 1.0), 1e-6), lightness);
+    return vec3f(hueOf(rgb, most, spread), spread / hslRoom(lightness), lightness);
 }
 fn hslToRgb(hsl: vec3f) -> vec3f {
     let ramp = saturate(abs(6.0 * fract(hsl.x + vec3f(0.0, 2.0 / 3.0, 1.0 / 3.0)) - 3.0) - 1.0);
-    return hsl.z + hsl.y * (ramp - 0.5) * (1.0 - abs(2.0 * hsl.z - 1.0));
+    return hsl.z + hsl.y * (ramp - 0.5) * hslRoom(hsl.z);
+}
+
+// The largest spread of the components that leaves colours of this lightness within 0 and 1; never 0.
+fn hslRoom(lightness: f32) -> f32 {
+    let room = 1.0 - abs(2.0 * lightness - 1.0);
+    return select(room, 1e-6, abs(room) < 1e-6);
 }
 
 fn hueOf(rgb: vec3f, most: f32, spread: f32) -> f32 {

@@ -137,7 +137,8 @@ fn billow3D(p: vec3f, octaves: f32, lacunarity: f32, gain: f32, pixel: f32) -> f
     return 2.0 * turbulence3D(p, octaves, lacunarity, gain, pixel) - 1.0;
 }
 
-// Sharp ridges that carry finer ones (Musgrave 1998), about 0 to 1. `offset` is how high ridges are: 1 is usual.
+// Sharp ridges that carry finer ones (Musgrave 1998), about 0 to the square of `offset`: 1 is usual. The larger it is, the broader
+// ridges are, too.
 fn ridged3D(p: vec3f, octaves: f32, lacunarity: f32, gain: f32, offset: f32, pixel: f32) -> f32 {
     let settled = settled3(p);
     var sum = 0.0;
@@ -150,7 +151,7 @@ fn ridged3D(p: vec3f, octaves: f32, lacunarity: f32, gain: f32, offset: f32, pix
             break;
         }
         let seen = octaveSeen(pixel * frequency);
-        var ridge = 0.43 * offset * offset;
+        var ridge = 0.43 * offset * offset * (0.2 + 0.8 * offset);
         if seen > 0.0 {
             let height = max(offset - 2.4 * abs(perlin3D(settled * frequency + octaveOffset(octave))), 0.0);
             ridge = mix(ridge, height * height, seen);

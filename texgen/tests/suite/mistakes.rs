@@ -529,6 +529,33 @@ fn parts_of_a_value_are_told_with_their_types() {
 }
 
 #[test]
+fn values_that_are_worked_out_while_reading_get_remedies() {
+    for (text, note) in [
+        ("const X = 1.0f + 1i;", "both sides must be of one type"),
+        (
+            "const Y = vec3f(1.0) * vec2f(2.0);",
+            "both sides must be of one type",
+        ),
+        (
+            "const A = array<f32, 3>(1.0, 2.0, 3.0);\nconst B = A[5];",
+            "counted from 0 on",
+        ),
+        (
+            "const Z = extractBits(12u, 1u, 2u);",
+            "call it within a function",
+        ),
+        (
+            "fn add(p: ptr<function, f32>) { *p += 1.0; }\nfn f() { var v = vec3f(1.0); add(&v.x); }",
+            "`var part = v.x; f(&part); v.x = part;`",
+        ),
+    ] {
+        let report = errors(&format!("{text}\nfn userProc() -> f32 {{ return 1.0; }}"));
+        assert!(report.contains(note), "{report}");
+        assert!(!report.contains("see msg"), "{report}");
+    }
+}
+
+#[test]
 fn names_that_are_no_values_or_stand_twice_get_the_right_remedy() {
     let once = |note: &str| format!("= note: names of {note}: rename one of them");
     for (text, place, note) in [

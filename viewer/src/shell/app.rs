@@ -122,6 +122,13 @@ impl Shell {
         self.screen.show(&shown, state, &mut self.viewer);
     }
 
+    /// Closes the window where the program is to end: what was not saved is kept by then.
+    fn end_if_asked(&self, ui: &Ui) {
+        if self.viewer.status().is_ending {
+            ui.ctx().send_viewport_cmd(ViewportCommand::Close);
+        }
+    }
+
     /// Without its device the window can show nothing, not even that: it closes, and who opened it tells why.
     fn end_if_lost(&mut self, ui: &Ui) {
         // A render on another device doesn't notice by itself.
@@ -202,6 +209,7 @@ impl eframe::App for Shell {
         self.glyphs.update(ui.ctx());
         self.note_frame(ui);
         self.end_if_lost(ui);
+        self.end_if_asked(ui);
         self.take_screenshot(ui);
     }
 

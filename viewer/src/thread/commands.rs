@@ -38,7 +38,7 @@ impl Render {
         }
         match command {
             Command::HasOpened => self.is_unheard = false,
-            Command::Change(change, _) if self.recovered.is_some() => {
+            Command::Change(change, _) if self.recovery.is_some() => {
                 self.recover(change.text());
             }
             Command::Change(change, number) => {
@@ -234,7 +234,7 @@ impl Render {
                     false => self.publish_look(),
                 }
             }
-            Err(error) => self.reply(Reply::Failed(publish::message(&error))),
+            Err(error) => self.reply(Reply::NotWritten(publish::message(&error))),
         }
         self.publish_status(true);
     }

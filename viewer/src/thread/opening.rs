@@ -26,7 +26,7 @@ impl Render {
             Ok(session) => {
                 self.end = end(&session).unwrap_or_default();
                 self.is_unheard = self.session.is_some();
-                self.recovered = None;
+                self.recovery = None;
                 self.session = Some(session);
                 self.run = Run::default();
                 self.run.cause = Some(Instant::now());

@@ -63,7 +63,7 @@ impl Render {
     pub(super) fn save_picture(&mut self, order: PictureOrder) {
         match self.begin_picture(order) {
             Ok(making) => self.making = making,
-            Err(why) => self.reply(Reply::Failed(why)),
+            Err(why) => self.reply(Reply::NotWritten(why)),
         }
         self.publish_making();
     }
@@ -159,7 +159,7 @@ impl Render {
                 Ok(made) => {
                     self.write_picture(&making.order, &made, &making.origin, &making.layers);
                 }
-                Err(why) => self.reply(Reply::Failed(why)),
+                Err(why) => self.reply(Reply::NotWritten(why)),
             }
         }
         self.publish_making();
@@ -181,7 +181,7 @@ impl Render {
         };
         self.reply(match self.host.write_picture(path, &picture) {
             Ok(()) => Reply::Done(format!("wrote {}", path.display())),
-            Err(why) => Reply::Failed(why),
+            Err(why) => Reply::NotWritten(why),
         });
     }
 

@@ -8,7 +8,7 @@ use egui::{
 };
 use engine::display::{Channel, DisplaySettings};
 use engine::scene::view::{MAX_EXPOSURE, ViewTransform};
-use patina_panels::asks_for_menu;
+use patina_panels::{asks_for_menu, number_field};
 
 use crate::link::{Command, Denoise, DenoiserState, FINE, NOISY, Status};
 
@@ -436,12 +436,20 @@ fn count(number: f64) -> String {
     }
 }
 
-/// A number that is dragged, in its own unit; whether it has been.
-pub(super) fn dragged(ui: &mut Ui, text: &str, value: &mut f32, speed: f32, suffix: &str) -> bool {
+/// A number from `least` on that is dragged or written, in its own unit; whether it has been.
+pub(super) fn dragged(
+    ui: &mut Ui,
+    text: &str,
+    value: &mut f32,
+    least: f32,
+    speed: f32,
+    suffix: &str,
+) -> bool {
     let label = ui.label(text);
     let drag = DragValue::new(value)
         .speed(speed)
-        .range(0.0..=f32::MAX)
+        .range(least..=f32::MAX)
+        .clamp_existing_to_range(false)
         .suffix(suffix);
-    ui.add(drag).labelled_by(label.id).changed()
+    number_field(ui, drag).labelled_by(label.id).changed()
 }

@@ -4,9 +4,7 @@ use std::path::{Path, PathBuf};
 
 use egui::{Id, Modal, Ui};
 use engine::scene::import::is_scene;
-use engine::scene::look::{Section, Value};
-use engine::session::Edit;
-use patina_panels::{PictureUse, named_from};
+use patina_panels::{PictureUse, named_from, surround_with};
 
 use crate::link::{Command, Files};
 
@@ -72,12 +70,8 @@ impl Viewer {
                 Dropped::Texture => self.take_texture(file, now),
                 Dropped::Environment => {
                     let path = self.named_by_look(file);
-                    // In place of whatever light there is.
-                    let clear = Edit::Remove {
-                        section: Section::Environment,
-                    };
-                    let set = Edit::environment("image", Value::Text(path));
-                    self.edit("environment", &[clear, set], now);
+                    let edits = self.document_mut().map(|d| surround_with(d, &path));
+                    self.edit("environment", &edits.unwrap_or_default(), now);
                 }
                 Dropped::Unknown => {
                     let text = format!("nothing is known to be done with {}", file.display());

@@ -32,6 +32,15 @@ pub(super) struct Editor {
     outside: u64,
     /// The files have been opened once more: what the look is now is a step of its history.
     is_reopened: bool,
+    /// What was brought together last, and has not become the look.
+    tried: Option<Tried>,
+}
+
+/// Two texts that were brought together.
+#[derive(Debug)]
+struct Tried {
+    mine: String,
+    theirs: Arc<str>,
 }
 
 /// What became of a text that another program has written to the look's file.
@@ -41,6 +50,8 @@ pub(super) enum Outside {
     Together,
     /// Both sides have changed the same.
     Conflict(Merged),
+    /// Nothing that wasn't said before: what is asked goes on being asked.
+    AsBefore,
 }
 
 impl Editor {
@@ -85,13 +96,24 @@ impl Editor {
     fn take_saved(&mut self, facts: &LookFacts) {
         self.saved = Arc::clone(&facts.saved);
         self.outside = facts.outside;
+        self.tried = None;
     }
 
     /// Another program has written to the file.
     fn read_outside(&mut self, facts: &LookFacts) -> Option<Outside> {
         let document = self.document.as_ref()?;
+        // Until somebody has answered nothing becomes of it, frame by frame.
+        let is_tried =
+            |tried: &Tried| *tried.mine == *document.text() && *tried.theirs == *facts.saved;
+        if self.tried.as_ref().is_some_and(is_tried) {
+            return Some(Outside::AsBefore);
+        }
         let was_saved = *document.text() == *self.saved;
         let mine = document.text().to_owned();
+        self.tried = Some(Tried {
+            mine: mine.clone(),
+            theirs: Arc::clone(&facts.saved),
+        });
         let merged = merge(document.path(), &self.saved, &mine, &facts.saved);
         match merged {
             Ok(merged) if merged.conflicts.is_empty() => {
@@ -171,6 +193,7 @@ impl Editor {
     pub(super) fn forget(&mut self) {
         self.document = None;
         self.sent = 0;
+        self.tried = None;
     }
 
     /// The same files are shown from now on, as they have been read once more. Edits are kept to be undone and done again.
@@ -196,15 +219,17 @@ impl Viewer {
         self.editor.document.as_mut()
     }
 
-    /// Makes edits as one step that can be undone.
-    pub(super) fn edit(&mut self, label: &str, edits: &[Edit], now: f64) {
+    /// Makes edits as one step that can be undone; whether the look took them. Why it didn't is told.
+    pub(super) fn edit(&mut self, label: &str, edits: &[Edit], now: f64) -> bool {
         let outcome = match self.document_mut() {
             Some(document) => document.apply(label, edits, None),
             None => Err("there is no look yet".to_owned()),
         };
+        let is_made = outcome.is_ok();
         if let Err(why) = outcome {
             self.tell(why, true, now);
         }
+        is_made
     }
 
     pub(super) fn undo(&mut self) {
@@ -332,7 +357,9 @@ impl Viewer {
             let given =
                 patina_panels::give_material(document, textures, scene, &hit.material, &material);
             match given {
-                Ok(edits) => self.edit(&format!("{material} on {}", hit.material), &edits, now),
+                Ok(edits) => {
+                    self.edit(&format!("{material} on {}", hit.material), &edits, now);
+                }
                 Err(why) => self.tell(why, true, now),
             }
         }

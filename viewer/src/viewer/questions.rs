@@ -69,7 +69,7 @@ impl Viewer {
         self.questions.leaving = None;
     }
 
-    /// Something failed: a look that could not be saved isn't left, nor a picture that could not be written.
+    /// A look that could not be saved isn't left, nor a picture that could not be written.
     pub(super) fn stay_if_unsaved(&mut self) {
         let waits = [Stage::OnceSaved, Stage::OnceFinished];
         if (self.questions.leaving.as_ref()).is_some_and(|(_, stage)| waits.contains(stage)) {

@@ -2,7 +2,7 @@
 //! changed above the picture changes where it was read from.
 
 use engine::display::DisplaySettings;
-use engine::scene::look::Value;
+use engine::scene::look::{Section, Value};
 use engine::scene::view::{View, ViewChoice};
 use engine::session::Edit;
 
@@ -59,6 +59,11 @@ impl Viewer {
 
     fn edit_view(&mut self, key: &str, value: Value, group: Option<u64>) {
         if let Some(document) = self.document_mut() {
+            // A constant would take its keys away.
+            let written = document.value(&Section::View, key);
+            if written.is_some_and(|value| value.has_keys()) {
+                return;
+            }
             // Refused, it goes on being shown as it was.
             let _ = document.apply("view", &[Edit::view(key, value)], group);
         }

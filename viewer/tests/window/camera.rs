@@ -1,11 +1,15 @@
 //! The camera, and what is clicked in the picture.
 
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, PointerButton};
 use egui_kittest::kittest::Queryable;
 use engine::display::Channel;
 use engine::scene::Projection;
 use engine::scene::view::ViewTransform;
-use patina_viewer::link::{Command, Extent, PickPurpose, Reply};
+use patina_viewer::link::{Command, Extent, Files, PickPurpose, Reply, SceneFacts};
 
 use super::{Stage, brass, camera};
 
@@ -129,6 +133,68 @@ fn channels_and_cameras_are_chosen_from_lists() {
         matches!(&undone[..], [Command::Change(change, 2)] if change.text().is_empty()),
         "{undone:?}"
     );
+}
+
+#[test]
+fn numbers_of_the_lens_are_written_in_its_menu() {
+    let mut stage = Stage::new();
+    stage.click("Camera");
+    for (label, typed, wanted) in [
+        ("Field of view", "35.5", 35.5),
+        ("Aperture radius", "2.5", 2.5),
+        // A look takes nothing nearer.
+        ("Focus", "0", 1e-6),
+    ] {
+        let field = stage.harness.get_by_role_and_label(Role::SpinButton, label);
+        field.click();
+        stage.harness.run_steps(3);
+        assert!(stage.sent().is_empty(), "{label} is only entered");
+        stage.press(Modifiers::COMMAND, Key::A);
+        stage.type_text(typed);
+        assert!(stage.sent().is_empty(), "{label} is not all written yet");
+        stage.press(Modifiers::NONE, Key::Enter);
+        let sent = stage.sent();
+        let [Command::View(Some(camera))] = &sent[..] else {
+            panic!("{label}: {sent:?}");
+        };
+        let is = match label {
+            "Focus" => camera.focus_distance,
+            "Aperture radius" => camera.aperture_radius * 1e3,
+            _ => match camera.projection {
+                Projection::Perspective { y_fov } => y_fov.to_degrees(),
+                Projection::Orthographic { .. } => panic!("{camera:?}"),
+            },
+        };
+        assert!((is / wanted - 1.0).abs() < 1e-5, "{label}: {is}");
+    }
+}
+
+#[test]
+fn a_view_that_the_look_does_not_take_goes_on_being_looked_through() {
+    let mut stage = Stage::new();
+    // Other files, of which the look has not been read yet.
+    let files = Files {
+        scene: PathBuf::from("scenes/car.glb"),
+        look: None,
+        camera: None,
+    };
+    stage.board.lock().unwrap().look = None;
+    stage.reply(Reply::Opened(files.clone()));
+    let facts = SceneFacts {
+        files,
+        ..SceneFacts::clone(&stage.board.lock().unwrap().scene)
+    };
+    stage.board.lock().unwrap().scene = Arc::new(facts);
+    stage.harness.run_steps(2);
+    stage.click("Camera");
+    stage.click("Window");
+    stage.sent();
+    stage.click("Camera");
+    stage.click("Put into the look");
+    let sent = stage.sent();
+    assert!(sent.is_empty(), "{sent:?}");
+    let why = "there is no look yet";
+    assert!(stage.harness.query_by_label_contains(why).is_some());
 }
 
 #[test]

@@ -85,6 +85,31 @@ fn dropped_files_are_opened_used_or_refused() {
 }
 
 #[test]
+fn an_environment_that_is_dropped_leaves_what_else_is_said_of_it() {
+    let mut stage = Stage::new();
+    let text = "# A room.\n# By me.\nenvironment = { color = [2, 2, 3], group = \"day\", intensity = 2.0 } # keep\n";
+    stage.board.lock().unwrap().look = Some(LookFacts {
+        text: text.into(),
+        saved: text.into(),
+        outside: 1,
+        ..LookFacts::default()
+    });
+    stage.harness.run_steps(3);
+    stage.sent();
+    stage.drop_files(&["/skies/noon.hdr"]);
+    let sent = stage.sent();
+    let [Command::Change(change, _)] = &sent[..] else {
+        panic!("{sent:?}");
+    };
+    let text = change.text();
+    assert!(text.starts_with("# A room.\n# By me.\n"), "{text}");
+    for kept in ["group = \"day\"", "intensity = 2.0", "# keep", "noon.hdr"] {
+        assert!(text.contains(kept), "{kept}: {text}");
+    }
+    assert!(!text.contains("color"), "{text}");
+}
+
+#[test]
 fn a_picture_that_is_dropped_becomes_what_one_says() {
     let mut stage = Stage::new();
     stage.harness.state_mut().document_mut().expect("a look");

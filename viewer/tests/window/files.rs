@@ -59,7 +59,7 @@ fn edits_are_not_lost_by_opening_something_else() {
             // It is opened once that has been done, which the render says, or fails to do.
             "Save and open" => {
                 assert!(matches!(sent[..], [Command::Save(None)]), "{sent:?}");
-                stage.reply(Reply::Failed("no room".to_owned()));
+                stage.reply(Reply::NotWritten("no room".to_owned()));
                 assert!(stage.sent().is_empty());
             }
             _ => assert!(matches!(sent[..], [Command::Open(_)]), "{sent:?}"),
@@ -81,6 +81,37 @@ fn edits_are_not_lost_by_opening_something_else() {
         matches!(sent[..], [Command::Save(None), Command::Open(_)]),
         "{sent:?}"
     );
+}
+
+/// Keys are for the question, and what the picture has to say is no answer of the file system.
+#[test]
+fn questions_about_edits_wait_for_their_own_answers() {
+    let mut stage = Stage::new();
+    let edit = Edit::view("exposure", Value::number(1.0));
+    let document = stage.harness.state_mut().document_mut();
+    let document = document.expect("there is a look");
+    document.apply("view", &[edit], None).expect("an edit");
+    stage.harness.run_steps(2);
+    stage.drop_files(&["/models/car.glb"]);
+    stage.sent();
+    stage.press(Modifiers::COMMAND, Key::Z);
+    let sent = stage.sent();
+    assert!(sent.is_empty(), "nothing is undone below it: {sent:?}");
+    stage.click("Save and open");
+    assert!(matches!(stage.sent()[..], [Command::Save(None)]));
+    stage.reply(Reply::Failed("some samples were no numbers".to_owned()));
+    let text = stage.harness.state_mut().document_mut();
+    let text: Arc<str> = text.expect("there is a look").text().into();
+    assert!(text.contains("exposure"), "{text}");
+    stage.board.lock().unwrap().look = Some(LookFacts {
+        text: Arc::clone(&text),
+        saved: text,
+        heard: 1,
+        ..LookFacts::default()
+    });
+    stage.harness.run_steps(3);
+    let sent = stage.sent();
+    assert!(matches!(sent[..], [Command::Open(_)]), "{sent:?}");
 }
 
 #[test]
@@ -186,7 +217,7 @@ fn what_was_done_counts_for_the_file_that_the_look_is_saved_as() {
             // From whatever folder it is.
             assert_eq!(kept, Some(files.absolute()), "the next start opens it");
         } else {
-            stage.reply(Reply::Failed("the disk is full".to_owned()));
+            stage.reply(Reply::NotWritten("the disk is full".to_owned()));
         }
         // It is opened, as if it were another one.
         let mut board = stage.board.lock().unwrap();
@@ -357,12 +388,12 @@ fn what_another_program_has_saved_can_be_taken_in_any_case() {
         assert!(stage.sent().iter().any(is_first));
         stage.board.lock().unwrap().look = Some(look(&mine, &theirs, 2, 1));
         stage.harness.run_steps(3);
-        assert!(
-            stage
-                .harness
-                .query_by_label("[light.s] outer_cone_angle")
-                .is_some()
-        );
+        // For as long as nobody answers.
+        for _ in 0..3 {
+            let what = "[light.s] outer_cone_angle";
+            assert!(stage.harness.query_by_label(what).is_some());
+            stage.harness.run_steps(2);
+        }
         stage.click(choice);
         assert_eq!(&text(&mut stage), expected);
         assert!(stage.harness.query_by_label(choice).is_none());

@@ -15,7 +15,7 @@ pub(super) enum Task {
 }
 
 /// A job for a driver.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Clone, Serialize)]
 pub(super) struct Job {
     pub(super) task: Task,
     /// glTF.
@@ -34,6 +34,9 @@ pub(super) struct Job {
     pub(super) environment: [f64; 3],
     /// The program to measure.
     pub(super) patina: PathBuf,
+    /// Which build of it that is, in its own jobs: another one is another job.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) build: Option<String>,
     /// Rays of ambient occlusion at a hit.
     pub(super) ao_samples: Vec<u32>,
     /// Timed renders of each texture.
@@ -103,6 +106,16 @@ impl Spread {
 pub(super) struct SceneList {
     pub(super) scenes: Vec<Listed>,
     pub(super) skipped: Vec<Skipped>,
+    /// What they were made of; older lists don't say it.
+    #[serde(default)]
+    pub(super) origin: Option<Origin>,
+}
+
+/// The folders that scenes are made of.
+#[derive(Debug, PartialEq, Eq, Deserialize)]
+pub(super) struct Origin {
+    pub(super) scenes: PathBuf,
+    pub(super) reference: PathBuf,
 }
 
 /// A scene that was written.
@@ -167,6 +180,7 @@ mod tests {
             seed: 0,
             environment: [0.0; 3],
             patina: "patina".into(),
+            build: Some("1 byte".to_owned()),
             ao_samples: vec![4],
             runs: 3,
         };

@@ -133,7 +133,13 @@ impl Options {
                 self.reference_by = Some(value.to_owned());
             }
             "--shrink" => self.shrink = number(flag, value)?,
-            "--texture-spp" => self.texture_spp = number(flag, value)?,
+            "--texture-spp" => {
+                self.texture_spp = number(flag, value)?;
+                // Patina holds its pictures against each other, by standard errors.
+                if self.texture_spp < 2 {
+                    bail!("{flag} {value}: not a number from 2");
+                }
+            }
             "--ao-rays" => self.ao_rays = numbers(flag, value)?,
             "--runs" => self.runs = number(flag, value)?,
             "--threads" => self.threads = number(flag, value)?,
@@ -202,6 +208,7 @@ mod tests {
             (["--peers", "povray"], "povray"),
             (["--spp", "64,4"], "ascend"),
             (["--runs", "0"], "--runs 0"),
+            (["--texture-spp", "1"], "from 2"),
             (["--reference-by", "nobody"], "nobody"),
             (["--speed", "fast"], "--speed"),
             (["--resume", "--runs"], "needs a value"),

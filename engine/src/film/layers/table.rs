@@ -1,6 +1,6 @@
 //! All layers, one declaration each.
 
-use scene::Instance;
+use scene::{Instance, Material};
 
 use crate::film::Film;
 
@@ -235,7 +235,7 @@ pub static LAYERS: [Layer; 67] = [
         channels: "rgba",
         rule: Rule::Ids {
             wgsl: "materials[at.material].id",
-            names: |scene| (scene.materials.iter()).map(|m| m.name.as_str()).collect(),
+            names: |scene| (scene.materials.iter()).map(Material::matte_name).collect(),
         },
         help: "Cryptomatte: the same of materials",
     },

@@ -104,7 +104,8 @@ fn header(
             FlatSamples::F32(_) => SampleType::F32,
             FlatSamples::U32(_) => SampleType::U32,
         };
-        ChannelDescription::named(name.clone(), kind)
+        // Its own guess goes by names such as `R` alone: of `ViewLayer.Combined.R` B44 would keep logarithms, which end at 88.75.
+        ChannelDescription::new(name.clone(), kind, false)
     });
     let size = Vec2(width as usize, height as usize);
     let mut header = Header::new(Text::default(), size, list.collect()).with_encoding(
@@ -162,7 +163,7 @@ fn described(
         if is_picture && content.transparent {
             channels = split(&content.rendered());
         }
-        if layer.name == "alpha" && content.transparent && content.film.layers().catch_shadows() {
+        if layer.name == "alpha" && content.transparent {
             channels = content.alpha().into_iter().collect();
         }
         if let (Some(denoised), true) = (content.denoised, is_picture) {

@@ -5,6 +5,7 @@ use exr::image::FlatSamples;
 use exr::meta::header::standard_names;
 use exr::prelude::f16;
 
+use super::{OWN, OWN_PREFIX};
 use crate::film::layers::{self, UnknownLayer};
 use crate::film::{LAYERS, Layer, Layers};
 
@@ -219,6 +220,9 @@ impl Form {
                 Some("names are made of letters from a to z, digits, and . _ - :")
             }
             name if is_reserved(name) => Some("the name is the format's own; take another one"),
+            name if OWN.contains(&name) || name.starts_with(OWN_PREFIX) => {
+                Some("the header says that by itself; take another name")
+            }
             _ => None,
         };
         if let Some(problem) = problem {
@@ -385,6 +389,10 @@ mod tests {
             "schön",
             "cryptomatte/x/name",
             "a b",
+            "samplesPerPixel",
+            "denoiser",
+            "patina:size",
+            "patina:any",
         ] {
             assert!(fact(name).is_err(), "{name}");
         }

@@ -67,6 +67,7 @@ fn handle_emissive_intersection(p: Path, v: Vertex, hit: RayHit, receiver_before
         weight = met_light_weight(p.bsdf_pdf, light_hit_pdf(hit, receiver_before, cosine, share));
     }
     let found = limited(p.throughput * emission * weight, f32(p.depth));
+    leave_unsent(p, v, found);
     if (splits_light) {
         note_found(p, PATH_FOUND, found, true, light_group(materials[v.own_material].flags));
     }

@@ -82,6 +82,13 @@ fn leave_light_share(v: Vertex, share: f32) {
     path_set_words(PATH_LEFT, v.slot, vec4u(bitcast<u32>(share), left.yzw));
 }
 
+// Leaves what the ray has found on a surface that isn't in the table of lights.
+fn leave_unsent(p: Path, v: Vertex, found: vec3f) {
+    if (leaves_diffuse && materials[v.own_material].light_radiance <= 0.0 && max_component(found) > 0.0) {
+        path_set_words(PATH_UNSENT, p.slot, vec4u(bitcast<vec3u>(found), 0u));
+    }
+}
+
 // Leaves that the ray has met the sky alone.
 fn leave_sky(p: Path, radiance: vec3f) {
     path_set_words(PATH_LEFT, p.slot, vec4u(bitcast<vec3u>(p.throughput * radiance), LEFT_SKY));

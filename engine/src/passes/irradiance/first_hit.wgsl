@@ -15,12 +15,12 @@ fn ends_here(slot: u32) -> bool {
         return false;
     }
     let hit = rays[own_ray(slot)];
-    let before = path_read(field, slot).w;
     if (hit.triangle == MISS) {
         path_write(field, slot, vec4f(0.0, 0.0, 0.0, 1e30));
         return true;
     }
-    path_write(field, slot, vec4f(0.0, 0.0, 0.0, before + hit.t_max));
+    // The whole distance: behind a pane that it has passed, a ray still is where it began.
+    path_write(field, slot, vec4f(0.0, 0.0, 0.0, hit.t_max));
     let place = end_at(slot, hit, 1u);
     if (!place.is_one) {
         return false;
@@ -29,7 +29,7 @@ fn ends_here(slot: u32) -> bool {
     if (mean.w == 0.0) {
         return false;
     }
-    path_write(field, slot, vec4f(mean.xyz, before + hit.t_max));
+    path_write(field, slot, vec4f(mean.xyz, hit.t_max));
     path_set_words(field + 1u, slot, vec4u(0u, 0u, 0u, GATHER_GIVEN));
     return true;
 }

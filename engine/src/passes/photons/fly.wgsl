@@ -10,6 +10,7 @@
 //!include shared/surface.wgsl
 //!include shared/abilities.wgsl
 //!include shared/left.wgsl
+//!include shared/hit.wgsl
 //!include photons/records.wgsl
 
 @group(0) @binding(58) var<storage, read_write> photons_arrived: array<atomic<u32>>;
@@ -26,10 +27,39 @@ fn whole_flux(flux: f32, number: u32) -> u32 {
     return u32(clamp(flux * FLUX_SCALE + unit_number(hash(number)), 0.0, 1e9));
 }
 
+// Of a surface with alpha that photons still are weighed by.
+const LEAST_COVERAGE = 1.0 / 256.0;
+
+// How far above its triangle paths ask for photons; see `ray_origins`.
+fn curved(s: Surface, material: u32) -> vec3f {
+    let passes = has_transmission && max(materials[material].transmission, materials[material].diffuse_transmission) > 0.0;
+    return select(s.lift, vec3f(0.0), passes);
+}
+
 // What a photon's two fields hold, of a path's state. Before a caster has scattered it: the range of its lamp, or 0; what that leaves of its
 // light; 1 + the material of a body that it began in, or 0; 0. Where it has arrived from a caster and the surface has yet to be shaded:
-// its flux as whole numbers, then PHOTON_WAITS and how many casters have scattered it; position and octahedral normal.
+// its flux, then PHOTON_WAITS, how many casters have scattered it, and where it comes from; position and octahedral normal.
 const PHOTON_WAITS = 0x100u;
+
+// A direction in the upper bits of that word: both octahedral coordinates without their last five bits.
+fn with_direction(word: u32, direction: vec3f) -> u32 {
+    let coordinates = octahedral_encode(direction);
+    return word | (((coordinates >> 5u) & 0x7ffu) << 9u) | ((coordinates >> 21u) << 20u);
+}
+
+fn direction_in(word: u32) -> vec3f {
+    return octahedral_decode((((word >> 9u) & 0x7ffu) << 5u) | (((word >> 20u) & 0x7ffu) << 21u) | 0x00100010u);
+}
+
+// Most that a photon counts for more where it comes in flat above its triangle, and less so above the curved surface.
+const MOST_TILT = 8.0;
+
+// What a photon counts for where the surface is shaded as if it faced elsewhere than its triangle does: as many arrive as the triangle
+// catches, and irradiance is that of the other one (after Veach, "Robust Monte Carlo Methods for Light Transport Simulation", 1997,
+// section 5.3).
+fn tilted(direction: vec3f, shaded: vec3f, geometric: vec3f) -> f32 {
+    return clamp(dot(direction, shaded) / max(dot(direction, geometric), 1e-3), 0.0, MOST_TILT);
+}
 
 // Where a photon has arrived, before the surface scatters it. One thread for each of them.
 @compute @workgroup_size(64)
@@ -59,21 +89,24 @@ fn photon_arrive(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroup
     if (scattered == 0u || is_inside || is_caster_throughout(material)) {
         return;
     }
-    let number = hash2(hash2(frame.first_sample * frame.padded_pixels + frame.first_pixel + slot, scattered), photon_settings.seed);
-    let carried = path_read(PATH_THROUGHPUT, slot);
-    path_set_words(photon_settings.field, slot,
-        vec4u(whole_flux(carried.x, number), whole_flux(carried.y, number + 1u), whole_flux(carried.z, number + 2u), PHOTON_WAITS | scattered));
-    path_set_words(photon_settings.field + 1u, slot, vec4u(bitcast<vec3u>(s.position), octahedral_encode(s.geometric_normal)));
+    var carried = path_read(PATH_THROUGHPUT, slot);
+    if (has_alpha && (s.triangle.w & TRIANGLE_ALPHA) != 0u) {
+        // Of the photons that came here these are as many as the surface covers, and as many of the paths will ask for them.
+        carried /= max(material_coverage(material, s.triangle, s.weights), LEAST_COVERAGE);
+    }
+    path_set_words(photon_settings.field, slot, vec4u(bitcast<vec3u>(carried.xyz), with_direction(PHOTON_WAITS | scattered, s.wo)));
+    path_set_words(photon_settings.field + 1u, slot, vec4u(bitcast<vec3u>(s.position + curved(s, material)), octahedral_encode(s.geometric_normal)));
 }
 
-// Keeps a photon that waits; those for which there is no room are lost.
-fn keep_photon(slot: u32, flux: vec4u) {
+// Keeps a photon that waits at a place; those for which there is no room are lost.
+fn keep_photon(slot: u32, flux: vec3f, scattered: u32, place: vec4u) {
     let at = atomicAdd(&photons_arrived[0], 1u);
     if (at >= photon_settings.photons) {
         return;
     }
-    let place = path_words(photon_settings.field + 1u, slot);
-    let words = array<u32, 8>(place.x, place.y, place.z, place.w, flux.x, flux.y, flux.z, flux.w & ~PHOTON_WAITS);
+    let number = hash2(hash2(frame.first_sample * frame.padded_pixels + frame.first_pixel + slot, scattered), photon_settings.seed);
+    let words = array<u32, 8>(place.x, place.y, place.z, place.w,
+        whole_flux(flux.x, number), whole_flux(flux.y, number + 1u), whole_flux(flux.z, number + 2u), scattered);
     for (var i = 0u; i < PHOTON_WORDS; i++) {
         atomicStore(&photons_arrived[4u + PHOTON_WORDS * at + i], words[i]);
     }
@@ -104,11 +137,22 @@ fn photon_follow(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroup
     let slot = queue_read(QUEUE_ACTIVE, index);
     let left = path_words(PATH_LEFT, slot);
     path_set_words(PATH_LEFT, slot, vec4u(0u));
+    path_set_words(PATH_UNSENT, slot, vec4u(0u));
     let kind = left.w & LEFT_KIND;
     let kept = path_words(photon_settings.field, slot);
     let waits = (kept.w & PHOTON_WAITS) != 0u;
     if (waits && kind != LEFT_CASTER) {
-        keep_photon(slot, kept);
+        var place = path_words(photon_settings.field + 1u, slot);
+        var weight = 1.0;
+        if (kind == LEFT_DIFFUSE) {
+            weight = tilted(direction_in(kept.w), octahedral_decode(path_words(PATH_DIFFUSE, slot).w), octahedral_decode(place.w));
+            // The very place that a path would ask from.
+            place = vec4u(path_words(PATH_PLACE, slot).xyz, place.w);
+        }
+        // One that has neither been scattered nor passed is seen from behind the shading normal.
+        if (kind != LEFT_NONE || rays[own_ray(slot)].t_min > 0.0) {
+            keep_photon(slot, weight * bitcast<vec3f>(kept.xyz), kept.w & PHOTON_SCATTERED, place);
+        }
     }
     if (waits || kind == LEFT_CASTER) {
         path_set_words(photon_settings.field, slot, vec4u(0u));

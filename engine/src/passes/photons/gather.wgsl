@@ -30,6 +30,11 @@ fn gather_photons(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgrou
     let slot = queue_read(QUEUE_ACTIVE, index);
     let left = path_words(PATH_LEFT, slot);
     path_set_words(PATH_LEFT, slot, vec4u(0u));
+    let unsent = path_read(PATH_UNSENT, slot).xyz;
+    let has_unsent = max(max(unsent.x, unsent.y), unsent.z) > 0.0;
+    if (has_unsent) {
+        path_set_words(PATH_UNSENT, slot, vec4u(0u));
+    }
     if (photon_settings.mode == PHOTONS_IDLE) {
         return;
     }
@@ -45,9 +50,12 @@ fn gather_photons(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgrou
         let kept = path_words(field, slot);
         is = kept.w;
         if (is == PATH_IS_CAUSTIC) {
-            radiance = with_less(bitcast<vec3f>(kept.xyz), radiance, slot);
+            // Of what no photons come from all is the path's.
+            radiance = with_less(bitcast<vec3f>(kept.xyz) + unsent, radiance, slot);
             if (splits_light) {
-                take_photons_part(slot, PATH_FOUND);
+                if (!has_unsent) {
+                    take_photons_part(slot, PATH_FOUND);
+                }
                 take_photons_part(slot, PATH_FOUND_DISKS);
             }
             if (kind == LEFT_SKY && photon_settings.environment == 0u) {

@@ -107,6 +107,9 @@ pub const ARRIVE: Pass = Pass {
     file: "photons/fly.wgsl",
     reads: &[
         "frame",
+        "image_layers",
+        "image_layers_srgb",
+        "image_table",
         "instances",
         "materials",
         "photon_settings",

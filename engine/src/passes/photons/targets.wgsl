@@ -62,9 +62,11 @@ fn aim_from(place: vec3f, choice: f32, u: vec2f) -> Aim {
     var times = 0.0;
     for (var i = 0u; i < photon_settings.target_count; i++) {
         let other = photon_settings.targets[i];
-        let off = direction - normalize(other.xyz - place);
-        // 1 - cos of the angle to its middle.
-        let is_in = i == chosen || 0.5 * dot(off, off) <= cone_extent(place, other);
+        let to_other = other.xyz - place;
+        let off = direction - to_other * inverseSqrt(max(dot(to_other, to_other), 1e-30));
+        let extent_other = cone_extent(place, other);
+        // 1 - cos of the angle to its middle, which a place in the middle doesn't have.
+        let is_in = i == chosen || extent_other >= 2.0 || 0.5 * dot(off, off) <= extent_other;
         times += select(0.0, 1.0, is_in);
     }
     return Aim(place, direction, 2.0 * PI * sum / times);

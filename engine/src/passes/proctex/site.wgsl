@@ -56,7 +56,9 @@ fn patina_attr_LocalNormal() -> vec4f {
 }
 
 fn patina_attr_Tangent() -> vec4f {
-    return surface_tangent(site.surface, site.instance, site.surface.shading_normal);
+    let tangent = surface_tangent(site.surface, site.instance, site.surface.shading_normal);
+    // The normal is turned where the back is seen: the whole frame is, so that normal maps lean the same way from both sides.
+    return select(-tangent, tangent, site.surface.front);
 }
 
 fn patina_attr_Bitangent() -> vec4f {
@@ -80,7 +82,7 @@ fn patina_attr_ViewDir() -> vec4f {
     return vec4f(site.surface.wo, 0.0);
 }
 
-// How much the interpolated normal turns over the triangle, 1/metres; positive where the surface bulges.
+// Half the divergence of the interpolated normal over the triangle, 1/metres; positive where the surface bulges.
 fn patina_attr_Curvature() -> vec4f {
     let t = site.surface.triangle;
     let a = vertices[t.x];
@@ -90,13 +92,12 @@ fn patina_attr_Curvature() -> vec4f {
     let nb = octahedral_decode(b.w);
     let nc = octahedral_decode(c.w);
     let ab = bitcast<vec3f>(b.xyz) - bitcast<vec3f>(a.xyz);
-    let bc = bitcast<vec3f>(c.xyz) - bitcast<vec3f>(b.xyz);
-    let ca = bitcast<vec3f>(a.xyz) - bitcast<vec3f>(c.xyz);
-    let along = dot(nb - na, ab) / max(dot(ab, ab), 1e-20) + dot(nc - nb, bc) / max(dot(bc, bc), 1e-20)
-        + dot(na - nc, ca) / max(dot(ca, ca), 1e-20);
+    let ac = bitcast<vec3f>(c.xyz) - bitcast<vec3f>(a.xyz);
+    let across = cross(ab, ac);
+    let along = 0.5 * (dot(nb - na, cross(ac, across)) + dot(nc - na, cross(across, ab))) / max(dot(across, across), 1e-37);
     // Curvature lives in object space; the scale of the instance turns it into the world's.
-    let scale = pow(max(site.surface.area_scale, 1e-30) / max(length(cross(ab, ca)), 1e-30), 0.5);
-    return vec4f(along / 3.0 / scale);
+    let scale = pow(max(site.surface.area_scale, 1e-30) / max(length(across), 1e-30), 0.5);
+    return vec4f(along / scale);
 }
 
 // x: width of the ray cone in metres; y: the same in units of TexCoord0; z: in object space.

@@ -47,7 +47,8 @@ fn mapped_normal(s: Surface, material: u32, instance: u32, texture: u32, map: ve
     if (length2 < 1e-12) {
         return s.shading_normal;
     }
-    return select(-mapped, mapped, s.front) * inverseSqrt(length2);
+    // Seen at a slant some of its slopes face away, which would be black.
+    return visible_normal(select(-mapped, mapped, s.front) * inverseSqrt(length2), s);
 }
 
 // A shading normal that the viewer sees: one that is bent too far is bent back.

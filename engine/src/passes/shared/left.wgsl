@@ -7,6 +7,7 @@
 // PATH_DIFFUSE: rgb that a unit of irradiance adds to the path's radiance, then the normal that it is shaded with.
 // PATH_LEFT: `shares_words` of the path's next ray, then vertices that had scattered before, then how this one does; of a ray that
 // has met nothing, rgb that the sky would add if no light sample could have found it, then that.
+// PATH_UNSENT: rgb that the ray has found in this round on a surface which light samples know nothing of, and no photons come from.
 
 const LEFT_NONE = 0u; // nothing has scattered in this round
 const LEFT_DIFFUSE = 1u; // light from all sides equally, among others

@@ -18,7 +18,8 @@ const PATH_RESULTS = 6u; // the driven outputs' values, word by word: as many fi
 const PATH_PLACE = 6u;
 const PATH_DIFFUSE = 7u;
 const PATH_LEFT = 8u;
-const LEFT_FIELDS = 3u;
+const PATH_UNSENT = 9u;
+const LEFT_FIELDS = 4u;
 
 // Behind them, where the film keeps parts of the light apart, by their numbers for `split_field`: see found_light.wgsl.
 const PATH_FOUND = 0u;

@@ -14,8 +14,9 @@ struct Surface {
     // stopped by the coarseness of the mesh (Hanika, "Hacking the Shadow Terminator", Ray Tracing Gems II, 2021, chapter 4). Zero where the
     // surface is flat or hollow.
     lift: vec3f,
-    // How far rays start from the surface beyond what `position` itself asks for: zero unless the node takes large coordinates of its mesh
-    // nearly away, as in models that were moved to the origin. Both the position and the rays in the mesh are rounded as these are.
+    // How far rays start from the surface beyond what `position` itself asks for: where the triangle is wide, since both the position and where
+    // a ray meets the triangle are rounded as its farthest corners are; and where the node takes large coordinates of its mesh nearly
+    // away, as in models that were moved to the origin.
     coarseness: f32,
 }
 
@@ -41,8 +42,10 @@ fn surface_at(hit: RayHit) -> Surface {
     let coarse = select(vec3f(0.0), terms, terms > 4.0 * abs(position) + 1.0);
     // The transform's determinant defines the winding (glTF 2.0, section 3.7.4): a normal moved by the inverse
     // transpose stays on the side that it was on.
-    let world_cross = cross(transform_vector(world_from_object, edge1), transform_vector(world_from_object, edge2))
-        * instances[hit.instance].handedness;
+    let world1 = transform_vector(world_from_object, edge1);
+    let world2 = transform_vector(world_from_object, edge2);
+    let widest = max_component(max(abs(world1), abs(world2)));
+    let world_cross = cross(world1, world2) * instances[hit.instance].handedness;
     let area_scale = length(world_cross);
     var geometric = world_cross / max(area_scale, 1e-30);
     let wo = -hit.direction;
@@ -66,7 +69,7 @@ fn surface_at(hit: RayHit) -> Surface {
         shading = -shading;
     }
     return Surface(position, wo, geometric, shading, weights, triangle, front, area_scale, lift,
-        max_component(coarse) / 65536.0);
+        max(max_component(coarse) / 65536.0, widest / 4194304.0));
 }
 
 // Along the first texture coordinates of a triangle, in the object and of any length, and the handedness of the bitangent, as

@@ -7,7 +7,7 @@ use ::device::Device;
 use engine::film::Film;
 use engine::procedural::TextureSources;
 use engine::scene::{AlphaMode, LightKind, Material, PunctualLight, Scene};
-use glam::{DVec3, Vec2, Vec3, Vec4};
+use glam::{DVec3, Quat, Vec2, Vec3, Vec4};
 
 use super::assert_shows;
 use crate::support::device;
@@ -208,5 +208,29 @@ fn punctual_lights_light_a_floor_by_their_formulas() {
         assert_shows(&name, &film, |picture| {
             lights.iter().map(|l| under_a_light(l, picture)).sum()
         });
+    }
+}
+
+#[test]
+fn wide_triangles_do_not_shadow_themselves() {
+    let Some(device) = device::open() else { return };
+    // A slope a kilometre wide, lit aslant: where rays meet it is rounded as its corners are, 500 m away.
+    let turn = Quat::from_rotation_z(0.21) * Quat::from_rotation_x(0.3);
+    let (u, v) = (turn * Vec3::X * 1000.0, turn * Vec3::NEG_Z * 1000.0);
+    let (sine, cosine) = 0.7_f32.sin_cos();
+    let to_sun = Vec3::new(cosine * 0.87, sine, cosine * 0.5).normalize();
+    let slope = Material {
+        double_sided: true,
+        ..lambert(ALBEDO)
+    };
+    let mut scene = scene([(quad(-0.5 * (u + v), u, v), slope)], Vec3::ZERO);
+    let sun = punctual(LightKind::Directional, RADIANCE, Vec3::ZERO, -to_sun);
+    scene.lights = vec![sun];
+    let lit = ALBEDO / PI * RADIANCE * to_sun.dot(turn * Vec3::Y);
+    let film = render(&device, &mut scene, &from_above(5.0, HALF), SHOT);
+    // There is no noise, and the normal is rounded.
+    for pixel in film.mean() {
+        let off = (Vec3::from(pixel) / lit - 1.0).abs().max_element();
+        assert!(off < 1e-3, "{pixel:?} instead of {lit}");
     }
 }

@@ -547,3 +547,150 @@ fn a_broken_scene_is_told_of_until_it_is_mended() {
     assert!(session.problems().is_empty(), "{}", session.problems());
     assert!(is_same(&film(&mut session), &stage.fresh(&other)));
 }
+
+/// Where a look is undone while something is built for it, what was to come with that comes all the same.
+#[test]
+fn a_scene_that_changed_is_shown_though_a_look_is_undone() {
+    if device::open().is_none() {
+        return;
+    }
+    let stage = Stage::new(LOOK, &TEXTURES);
+    let mut session = stage.open("scene.look.toml");
+    let scene = read(&stage.path("scene.gltf"));
+    stage.replace("textures/rings.wgsl", SQUARES);
+    session.sources_changed();
+    assert!(session.is_building());
+    stage.replace("scene.gltf", &scene.replace("[0, 1, -1]", "[0, 1, -0.5]"));
+    session.assets_changed();
+    let lamp = "\n[light.Lamp]\ntype = 'point'\nposition = [0, 2, 0]\n";
+    let lit = format!("{LOOK}{lamp}");
+    session.replace_look(&lit).expect("a look");
+    while !session.has_built() {
+        std::thread::yield_now();
+    }
+    session.poll().unwrap_or_else(|error| panic!("{error}"));
+    assert!(session.is_building(), "all is built for the lamp");
+    session.replace_look(LOOK).expect("a look");
+    settle(&mut session);
+    assert!(session.problems().is_empty(), "{}", session.problems());
+    assert!(is_same(&film(&mut session), &stage.fresh(LOOK)));
+}
+
+#[test]
+fn a_scene_that_changed_under_a_wrong_look_is_shown_once_that_is_mended() {
+    if device::open().is_none() {
+        return;
+    }
+    let stage = Stage::new(LOOK, &TEXTURES);
+    let mut session = stage.open("scene.look.toml");
+    let scene = read(&stage.path("scene.gltf"));
+    let wrong = format!("{LOOK}\n[[include]]\nfile = 'none.gltf'\n");
+    session.replace_look(&wrong).expect("a look");
+    settle(&mut session);
+    assert!(!session.problems().is_empty());
+    stage.replace("scene.gltf", &scene.replace("[0, 1, -1]", "[0, 1, -0.5]"));
+    session.assets_changed();
+    settle(&mut session);
+    session.replace_look(LOOK).expect("a look");
+    settle(&mut session);
+    assert!(session.problems().is_empty(), "{}", session.problems());
+    assert!(is_same(&film(&mut session), &stage.fresh(LOOK)));
+}
+
+#[test]
+fn a_look_that_is_no_text_any_more_is_not_saved_over() {
+    if device::open().is_none() {
+        return;
+    }
+    let stage = Stage::new(LOOK, &TEXTURES);
+    let mut session = stage.open("scene.look.toml");
+    let path = stage.path("scene.look.toml");
+    let latin = b"# caf\xe9\n";
+    fs::write(&path, latin).expect("written");
+    session.look_changed();
+    let problems = session.problems().to_string();
+    assert!(problems.contains("UTF-8"), "{problems}");
+    assert!(!problems.contains("permissions"), "{problems}");
+    let refused = session.save(None);
+    assert!(
+        matches!(refused, Err(SessionError::Changed { .. })),
+        "{refused:?}"
+    );
+    assert_eq!(fs::read(&path).expect("it is there"), latin);
+}
+
+#[test]
+fn a_look_whose_file_is_gone_is_not_saved() {
+    if device::open().is_none() {
+        return;
+    }
+    let stage = Stage::new(LOOK, &TEXTURES);
+    let mut session = stage.open("scene.look.toml");
+    let path = stage.path("scene.look.toml");
+    fs::remove_file(&path).expect("removed");
+    session.look_changed();
+    assert!(session.has_unsaved_edits(), "nobody else has it");
+    // It comes back as it was.
+    stage.write("scene.look.toml", LOOK);
+    session.look_changed();
+    assert!(!session.has_unsaved_edits());
+    fs::remove_file(&path).expect("removed");
+    session.look_changed_beside_edits();
+    assert!(session.has_unsaved_edits());
+    session.save(None).expect("saved");
+    assert!(!session.has_unsaved_edits());
+    assert_eq!(read(&path), LOOK);
+}
+
+#[test]
+fn a_look_that_may_only_be_read_is_not_replaced_unasked() {
+    if device::open().is_none() {
+        return;
+    }
+    let stage = Stage::new(LOOK, &TEXTURES);
+    let mut session = stage.open("scene.look.toml");
+    let path = stage.path("scene.look.toml");
+    let mut permissions = fs::metadata(&path).expect("it is there").permissions();
+    permissions.set_readonly(true);
+    fs::set_permissions(&path, permissions).expect("set");
+    let edit = Edit::argument("rings", "count", &texgen::Value::F32(7.0));
+    session.edit(&edit).expect("edited");
+    let refused = session.save(None);
+    let Err(SessionError::ReadOnly { .. }) = &refused else {
+        panic!("{refused:?}");
+    };
+    assert_eq!(read(&path), LOOK);
+    assert!(session.has_unsaved_edits());
+    // Under a name it is what is wanted.
+    let other = stage.path("other.look.toml");
+    session.save_as(&other).expect("saved");
+    let expected = LOOK.replace("count = 5.0", "count = 7.0");
+    assert_eq!(read(&other), expected);
+    session.save(None).expect("that one may be written");
+}
+
+#[test]
+fn a_look_saved_in_another_folder_names_the_same_files() {
+    if device::open().is_none() {
+        return;
+    }
+    let twin = "\n[[include]]\nfile = 'scene.gltf' # once more\nname = 'Twin'\ntranslation = [0.3, 0, 0.2]\n";
+    let look = format!("{LOOK}{twin}");
+    let stage = Stage::new(&look, &TEXTURES);
+    let mut session = stage.open("scene.look.toml");
+    let first = film(&mut session);
+    let nowhere = session.save_as(&stage.path("no/such.look.toml"));
+    assert!(nowhere.is_err());
+    assert_eq!(session.look_text(), look, "nothing has happened");
+    fs::create_dir(stage.path("looks")).expect("a folder");
+    let path = stage.path("looks/room.look.toml");
+    session.save_as(&path).expect("saved");
+    let expected = look.replace("'scene.gltf'", "'../scene.gltf'");
+    assert_eq!(read(&path), expected);
+    assert_eq!(session.look_text(), expected);
+    assert!(!session.has_unsaved_edits());
+    settle(&mut session);
+    assert!(session.problems().is_empty(), "{}", session.problems());
+    assert!(is_same(&first, &film(&mut session)));
+    assert_eq!(read(&stage.path("scene.look.toml")), look);
+}

@@ -156,9 +156,8 @@ fn assemble(
         &mut warnings,
     )?;
     let (lights, cameras) = nodes::lights_and_cameras(document, &nodes, &mut warnings)?;
-    let (images, slots) = request
-        .pictures
-        .load(document, &requests, &request.scene.images)?;
+    let (images, slots) =
+        (request.pictures).load(document, &requests, &request.scene.images, &mut warnings)?;
     for material in &mut materials {
         for texture in material.textures_mut().into_iter().flatten() {
             texture.image = slots[texture.image as usize];

@@ -382,6 +382,30 @@ fn a_picture_used_as_colour_and_as_data_is_there_twice() {
 }
 
 #[test]
+fn sixteen_bits_a_channel_are_cut_with_a_warning() {
+    let mut png = std::io::Cursor::new(Vec::new());
+    let grey = image::ImageBuffer::from_pixel(2, 1, image::Luma([0x8080u16]));
+    image::DynamicImage::ImageLuma16(grey)
+        .write_to(&mut png, image::ImageFormat::Png)
+        .unwrap();
+    let data = base64::engine::general_purpose::STANDARD.encode(png.into_inner());
+    let mut tree = square();
+    tree["images"] = json!([{ "uri": format!("data:image/png;base64,{data}"), "name": "bumps" }]);
+    tree["textures"] = json!([{ "source": 0 }]);
+    // As colour and as data: it is told once.
+    tree["materials"] = json!([{
+        "normalTexture": { "index": 0 },
+        "emissiveTexture": { "index": 0 },
+    }]);
+    let Imported { scene, warnings } = import(tree).unwrap();
+    assert_eq!(scene.images.len(), 2);
+    assert_eq!(
+        warnings,
+        ["image 0 \"bumps\" has 16 bits a channel; 8 are kept: slopes from it are terraced"]
+    );
+}
+
+#[test]
 fn basisu_textures_fall_back_to_their_pictures_unless_they_are_required() {
     let mut png = std::io::Cursor::new(Vec::new());
     image::RgbImage::new(2, 3)

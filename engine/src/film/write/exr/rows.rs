@@ -13,6 +13,12 @@ use exr::meta::{Headers, MetaData};
 
 use super::Channels;
 
+/// Longest name of a channel in files whose version doesn't tell of longer ones, bytes.
+const SHORT_NAME: usize = 31;
+/// Where the flags of a file's version begin, and that of long names among them (OpenEXR file layout, "version field").
+const FLAGS: u64 = 5;
+const LONG_NAMES: u8 = 0x04;
+
 /// Writes a file of rows that come in bands, of which each has all channels of the header, in its order.
 pub(super) fn write(
     mut file: impl Write + Seek,
@@ -20,6 +26,8 @@ pub(super) fn write(
     bands: impl Iterator<Item = io::Result<Channels>>,
 ) -> io::Result<()> {
     let attributes = sorted_attributes(&header).map_err(refused)?;
+    let mut channels = header.channels.list.iter();
+    let has_long_names = channels.any(|channel| channel.name.as_slice().len() > SHORT_NAME);
     let headers = Headers::from_iter([header]);
     let written = block::write(&mut file, headers, true, |meta, chunks| {
         // There is no pool of threads where nothing is packed.
@@ -34,6 +42,11 @@ pub(super) fn write(
         })
     });
     written.map_err(refused)?;
+    if has_long_names {
+        // The crate knows of none. Other flags are those of tiles, deep data and several parts, which there aren't.
+        file.seek(SeekFrom::Start(FLAGS))?;
+        file.write_all(&[LONG_NAMES])?;
+    }
     // They begin behind the magic number and the version. Their order doesn't change how long they are.
     file.seek(SeekFrom::Start(8))?;
     file.write_all(&attributes)

@@ -211,6 +211,66 @@ fn what_nothing_covers_is_transparent() {
 }
 
 #[test]
+fn alpha_has_its_range_with_layers_and_without() {
+    let layers = Layers::named(TRANSPARENCY).expect("known");
+    let mut film = Film::with_layers(2, 1, layers);
+    // As filters with negative weights leave it.
+    for (pixel, alpha) in [(0, 1.25), (1, -0.25)] {
+        film.add_sample(pixel, [0.5; 3]);
+        film.add_surface(pixel, 0, |layer| match layer.name {
+            "alpha" => [alpha, 0.0, 0.0],
+            _ => [0.0; 3],
+        });
+    }
+    let alone = Layers::default();
+    let depth = Layers::named(["depth"]).expect("known");
+    for (layers, name) in [(&alone, "A"), (&depth, "ViewLayer.Combined.A")] {
+        let content = Content {
+            layers,
+            transparent: true,
+            ..Content::from(&film)
+        };
+        let (channels, _) = read(&written(content));
+        assert_eq!(channels[name], [1.0, 0.0], "{name}");
+    }
+}
+
+#[test]
+fn bright_colours_of_layers_are_kept_by_b44() {
+    let layers = Layers::named(["albedo"]).expect("known");
+    let mut film = Film::with_layers(4, 4, layers);
+    for pixel in 0..16 {
+        film.add_sample(pixel, [400.0; 3]);
+        film.add_surface(pixel, 0, |_| [0.5; 3]);
+    }
+    for compression in [Compression::B44, Compression::B44a] {
+        let form = Form::new(compression, &["all"], &[""; 0]).expect("a form");
+        let content = Content {
+            form: &form,
+            ..Content::from(&film)
+        };
+        let (channels, _) = read(&written(content));
+        for letter in ["R", "G", "B"] {
+            let values = &channels[&format!("ViewLayer.Combined.{letter}")];
+            let is_kept = values.iter().all(|value| (value - 400.0).abs() < 4.0);
+            assert!(is_kept, "{compression:?} {letter}: {values:?}");
+        }
+    }
+}
+
+#[test]
+fn files_say_that_names_of_channels_are_long() {
+    let flags = |layers: Layers| written(&film(layers))[4..8].to_vec();
+    assert_eq!(flags(Layers::default()), [2, 0, 0, 0]);
+    let node = format!("node:{}", "n".repeat(32));
+    let long = Layers::named([node.as_str()]).expect("a node");
+    assert_eq!(flags(long.clone()), [2, 4, 0, 0]);
+    let (channels, _) = read(&written(&film(long)));
+    let name = format!("ViewLayer.Node {}.R", "n".repeat(32));
+    assert!(channels.contains_key(&name));
+}
+
+#[test]
 fn a_part_lies_in_its_place_in_the_whole() {
     let film = film(Layers::default());
     let setting = |name: &str, value: &str| (name.to_owned(), value.to_owned());
