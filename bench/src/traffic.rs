@@ -200,7 +200,7 @@ mod tests {
             }
             let mut written = fields(text, &["path_write", "path_set_words"]);
             // Only where a cache wants to know of surfaces.
-            for field in ["PLACE", "DIFFUSE", "LEFT"] {
+            for field in ["PLACE", "DIFFUSE", "LEFT", "UNSENT"] {
                 read.remove(field);
                 written.remove(field);
             }

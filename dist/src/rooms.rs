@@ -27,7 +27,14 @@ const ENGINE: &[(&str, &[&str])] = &[
     ("settings", &["film", "filter"]),
     (
         "gpu_scene",
-        &["alias", "bvh", "material_record", "texturing", "wave"],
+        &[
+            "alias",
+            "bvh",
+            "material_record",
+            "pick",
+            "texturing",
+            "wave",
+        ],
     ),
     ("frame", &["filter", "gpu_scene", "settings", "sobol"]),
     ("passes", &["film", "gpu_scene", "wave"]),

@@ -68,12 +68,12 @@ fn named(files: &dyn Files, text: &str, folder: &Path) -> Vec<Spanned<String>> {
             parameters.for_each(|field| add(&field.value, &mut values));
         }
     }
-    // Which parameters are images is not known here.
+    // Which parameters are images is not known here. What ends as an image does names no output of a node.
     named.extend(values.into_iter().filter(|text| {
         let node = text.value.split('.').next().unwrap_or_default();
         let ending = Path::new(&text.value).extension().and_then(|e| e.to_str());
         let is_image = ending.is_some_and(|e| ENDINGS.contains(&e.to_ascii_lowercase().as_str()));
-        !names.contains(node) && (is_image || files.has(&folder.join(&text.value)))
+        is_image || !names.contains(node) && files.has(&folder.join(&text.value))
     }));
     named.retain(|name| {
         let path = Path::new(&name.value);

@@ -142,7 +142,8 @@ fn compare(name: &str, path: &Film, photons: &Film, [most_off, most]: [f32; 2]) 
     let worst = apart
         .map(|(a, b)| ((a - b).abs() / whole).max_element())
         .fold(0.0, f32::max);
-    println!("{name}: mean off by {off:.4}, blocks by {worst:.4} at most");
+    let mean = mean(photons) / whole;
+    println!("{name}: mean {mean} of paths', blocks off by {worst:.4} at most");
     assert!(off < most_off, "{name}: the mean is off by {off}");
     assert!(worst < most, "{name}: a block is off by {worst}");
 }
@@ -240,7 +241,7 @@ fn surfaces_that_cover_a_part_have_that_part_of_caustics() {
     let mut scene = below_glass();
     scene.materials[0].alpha_mode = AlphaMode::Blend;
     scene.materials[0].base_color.w = 0.4;
-    agree_below("half a floor", &device, &scene, [8192, 512], [0.01, 0.06]);
+    agree_below("half a floor", &device, &scene, [4096, 512], [0.01, 0.12]);
 }
 
 /// Rays leave the curved surface that the normals of a coarse mesh suggest, and photons lie there, too.
@@ -248,14 +249,15 @@ fn surfaces_that_cover_a_part_have_that_part_of_caustics() {
 fn caustics_lie_on_curved_surfaces() {
     let Some(device) = device::open() else { return };
     let mut scene = below_glass();
-    let mut ball = faceted_sphere(4);
+    let mut ball = faceted_sphere(7);
     ball.normals.clone_from(&ball.positions);
     for position in &mut ball.positions {
         *position = *position * 0.25 - Vec3::Y * 0.05;
     }
     add(&mut scene, ball, lambert(Vec3::new(0.7, 0.7, 0.6)));
-    // They lie apart there as far as the curved surface is larger than the triangles.
-    agree_below("a coarse ball", &device, &scene, [8192, 256], [0.05, 0.2]);
+    // Paths ask a centimetre above the triangles, where the light that the glass gathers is as much wider. A ball of four times the
+    // triangles is off by a fifth of that.
+    agree_below("a coarse ball", &device, &scene, [4096, 256], [0.08, 0.5]);
 }
 
 /// No photons come from a lamp that light samples know nothing of: what glass throws of it is left to paths.
@@ -267,7 +269,7 @@ fn unlit_surfaces_shine_through_glass() {
     // Without a lamp there would be no photons at all.
     let panel = quad(Vec3::new(1.2, 2.0, -0.25), Vec3::X * 0.5, Vec3::Z * 0.5);
     add(&mut scene, panel, lamp(Vec3::splat(2.0)));
-    agree_below("an unlit lamp", &device, &scene, [8192, 2048], [0.01, 0.06]);
+    agree_below("an unlit lamp", &device, &scene, [2048, 512], [0.01, 0.12]);
 }
 
 /// From the very middle of one body others are where they are.

@@ -3,12 +3,22 @@
 use std::cell::RefCell;
 use std::rc::Rc;
 
-use egui::{DragValue, Response, Ui};
+use egui::{DragValue, Id, Key, Response, Ui};
 
 /// A field for a number. What is typed counts once the field is left, unless by Escape. One that is left with the text that it was entered
 /// with keeps its value to the last bit: by itself it would have that of its text, which is rounded.
 pub fn number_field(ui: &mut Ui, field: DragValue<'_>) -> Response {
     let formatter = ui.style().number_formatter.clone();
+    // The field is left in one pass, and its text read in the next one, which knows nothing of the key.
+    let (id, pass) = (
+        Id::new("number field left by Escape"),
+        ui.ctx().cumulative_pass_nr(),
+    );
+    if ui.input(|input| input.key_pressed(Key::Escape)) {
+        ui.data_mut(|data| data.insert_temp(id, pass));
+    }
+    let escaped = ui.data(|data| data.get_temp::<u64>(id));
+    let is_given_up = escaped.is_some_and(|at| pass <= at + 1);
     let shown = Rc::new(RefCell::new(String::new()));
     let kept = Rc::clone(&shown);
     let field = field
@@ -19,10 +29,12 @@ pub fn number_field(ui: &mut Ui, field: DragValue<'_>) -> Response {
             kept.borrow_mut().clone_from(&text);
             text
         })
-        .custom_parser(move |text| match text == shown.borrow().as_str() {
-            true => None,
-            false => parse(text),
-        });
+        .custom_parser(
+            move |text| match is_given_up || text == shown.borrow().as_str() {
+                true => None,
+                false => parse(text),
+            },
+        );
     ui.add(field)
 }
 

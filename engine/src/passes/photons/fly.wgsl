@@ -36,6 +36,33 @@ fn curved(s: Surface, material: u32) -> vec3f {
     return select(s.lift, vec3f(0.0), passes);
 }
 
+// A place of a triangle, with its lift, from the first vertex and in the object; see `surface_at`.
+fn lifted(edge1: vec3f, edge2: vec3f, normals: mat3x3f, weights: vec2f) -> vec3f {
+    let inside = edge1 * weights.x + edge2 * weights.y;
+    return inside + lift_by(inside, normals[0], 1.0 - weights.x - weights.y)
+        + lift_by(inside - edge1, normals[1], weights.x) + lift_by(inside - edge2, normals[2], weights.y);
+}
+
+// How much larger the curved surface around a place is than the triangle below it: photons lie as much farther apart there.
+fn stretch(hit: RayHit, s: Surface) -> f32 {
+    let world_from_object = instances[hit.instance].world_from_object;
+    let va = vertices[s.triangle.x];
+    let vb = vertices[s.triangle.y];
+    let vc = vertices[s.triangle.z];
+    let a = bitcast<vec3f>(va.xyz);
+    let edge1 = bitcast<vec3f>(vb.xyz) - a;
+    let edge2 = bitcast<vec3f>(vc.xyz) - a;
+    let side = select(-1.0, 1.0, s.front);
+    let normals = mat3x3f(side * octahedral_decode(va.w), side * octahedral_decode(vb.w), side * octahedral_decode(vc.w));
+    // By small steps to both sides: the lift is of the second degree along most of a triangle.
+    let step = 1.0 / 64.0;
+    let at = s.weights.yz;
+    let along1 = lifted(edge1, edge2, normals, at + vec2f(step, 0.0)) - lifted(edge1, edge2, normals, at - vec2f(step, 0.0));
+    let along2 = lifted(edge1, edge2, normals, at + vec2f(0.0, step)) - lifted(edge1, edge2, normals, at - vec2f(0.0, step));
+    let area = length(cross(transform_vector(world_from_object, along1), transform_vector(world_from_object, along2)));
+    return clamp(area / (4.0 * step * step * max(s.area_scale, 1e-30)), 0.25, 4.0);
+}
+
 // What a photon's two fields hold, of a path's state. Before a caster has scattered it: the range of its lamp, or 0; what that leaves of its
 // light; 1 + the material of a body that it began in, or 0; 0. Where it has arrived from a caster and the surface has yet to be shaded:
 // its flux, then PHOTON_WAITS, how many casters have scattered it, and where it comes from; position and octahedral normal.
@@ -94,8 +121,12 @@ fn photon_arrive(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroup
         // Of the photons that came here these are as many as the surface covers, and as many of the paths will ask for them.
         carried /= max(material_coverage(material, s.triangle, s.weights), LEAST_COVERAGE);
     }
+    let rise = curved(s, material);
+    if (dot(rise, rise) > 0.0) {
+        carried *= stretch(hit, s);
+    }
     path_set_words(photon_settings.field, slot, vec4u(bitcast<vec3u>(carried.xyz), with_direction(PHOTON_WAITS | scattered, s.wo)));
-    path_set_words(photon_settings.field + 1u, slot, vec4u(bitcast<vec3u>(s.position + curved(s, material)), octahedral_encode(s.geometric_normal)));
+    path_set_words(photon_settings.field + 1u, slot, vec4u(bitcast<vec3u>(s.position + rise), octahedral_encode(s.geometric_normal)));
 }
 
 // Keeps a photon that waits at a place; those for which there is no room are lost.
