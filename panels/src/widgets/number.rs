@@ -11,7 +11,7 @@ pub fn number_field(ui: &mut Ui, field: DragValue<'_>) -> Response {
     let formatter = ui.style().number_formatter.clone();
     // The field is left in one pass, and its text read in the next one, which knows nothing of the key.
     let (id, pass) = (
-        Id::new("number field left by Escape"),
+        Id::unique("number field left by Escape"),
         ui.ctx().cumulative_pass_nr(),
     );
     if ui.input(|input| input.key_pressed(Key::Escape)) {

@@ -112,7 +112,7 @@ pub(super) fn group(reader: &mut Reader, value: &Spanned<Value>) -> Option<Spann
     if name.value.len() > LONGEST_NAME {
         reader.problem_with_note(
             &value.span,
-            format!("the name of a group of lights is too long: {LONGEST_NAME} letters at most"),
+            format!("the name of a group of lights is too long: {LONGEST_NAME} bytes at most"),
             "it becomes part of the names of channels, and OpenEXR files hold no longer ones; choose a shorter one",
         );
         return None;
