@@ -228,8 +228,10 @@ fn file_fields(ui: &mut Ui, dialog: &mut Dialog, browser: &mut Browser) -> bool 
             shown.state.store(ui.ctx(), path.id);
         }
         let request = || dialog.request();
-        if let Some(path) = browser.button(ui, "Browse ...", dialog.what.name(), request) {
-            dialog.choose(path);
+        if let Some(chosen) = browser.button(ui, "Browse ...", dialog.what.name(), request) {
+            dialog.choose(chosen);
+            // The button had the keyboard, and Enter would ask again.
+            path.request_focus();
         }
     });
     if dialog.what == What::Scene {
@@ -241,6 +243,7 @@ fn file_fields(ui: &mut Ui, dialog: &mut Dialog, browser: &mut Browser) -> bool 
             let request = || dialog.look_request();
             if let Some(path) = browser.button(ui, "Browse ...", "the look of the scene", request) {
                 dialog.look = path.display().to_string();
+                look.request_focus();
             }
         });
     }
