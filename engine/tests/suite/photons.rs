@@ -255,8 +255,8 @@ fn caustics_lie_on_curved_surfaces() {
         *position = *position * 0.25 - Vec3::Y * 0.05;
     }
     add(&mut scene, ball, lambert(Vec3::new(0.7, 0.7, 0.6)));
-    // Paths ask a centimetre above the triangles, where the light that the glass gathers is as much wider. A ball of four times the
-    // triangles is off by a fifth of that.
+    // Paths ask a centimetre above the triangles, where the light that the glass gathers is as much wider. A ball of sixteen
+    // times the triangles is off by a sixth of that.
     agree_below("a coarse ball", &device, &scene, [4096, 256], [0.08, 0.5]);
 }
 
