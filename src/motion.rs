@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
+use engine::adaptive::GRAIN;
 use engine::scene::{Moment, Motion};
 
 use crate::args::MotionArgs;
@@ -166,6 +167,12 @@ impl MotionJob {
             None => all,
             Some(share) => all[share.start as usize..share.end as usize].to_vec(),
         }
+    }
+
+    /// Whether both halves of a picture of so many samples have as many of each moment: else what moves would look like noise.
+    pub(crate) fn has_equal_halves(&self, spp: u32) -> bool {
+        let is_even = |shutter: Shutter| spp.is_multiple_of(shutter.moments.saturating_mul(GRAIN));
+        self.shutter.is_none_or(is_even)
     }
 
     /// How a picture sees the scene: once for each moment at which its shutter is open.

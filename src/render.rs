@@ -99,9 +99,8 @@ fn picture(job: &RenderJob) -> Result<(), Failure> {
     let bar = Bar::read_by(job.progress, "loading the scene");
     let mut reel = Reel::open(job, inputs(job)?)?;
     let sights = job.motion.sights(Frame { number: None });
-    let others = sights.get(1..).unwrap_or_default();
     let beside = beside(job, &mut reel, Frame { number: None })?;
-    let (mut first, mut reel) = match others.is_empty() && beside.is_none() {
+    let (mut first, mut reel) = match sights.len() == 1 && beside.is_none() {
         true => (reel.once(&sights[0])?, None),
         false => (reel.at(&sights[0])?, Some(reel)),
     };
@@ -122,7 +121,7 @@ fn picture(job: &RenderJob) -> Result<(), Failure> {
             let division = pieces::plan(job, &first, &device, &bar)?;
             let start = Start {
                 scene: Shown::New(first),
-                others,
+                sights: &sights,
                 reel: reel.as_mut(),
                 clock,
             };
@@ -198,9 +197,9 @@ fn view_of(job: &RenderJob, seen: &Seen) -> View {
 /// What one device begins a picture with.
 struct Start<'a> {
     scene: Shown,
-    /// The further moments at which its shutter is open.
-    others: &'a [Sight],
-    /// Where they come from; `None` where there are none.
+    /// The moments at which its shutter is open.
+    sights: &'a [Sight],
+    /// Where they come from; `None` where there is no further one.
     reel: Option<&'a mut Reel>,
     /// When it began.
     clock: Instant,
@@ -221,7 +220,7 @@ impl Start<'_> {
         }
         let take = Take {
             ready: alone::prepare(job, self.scene, gpu, bar)?,
-            others: self.others,
+            sights: self.sights,
             reel: self.reel,
             written: None,
             is_piece: false,
@@ -552,12 +551,11 @@ fn settings(
         roulette: job.roulette,
         sampler: job.sampler,
         // Both are of use where the error has to be known well; the second half begins late. All parts of a picture have to agree.
-        // What moves isn't the same in samples of one half and of the other, which would look like noise.
         halves: job.adaptive
             || job.limits.flip.is_some()
             || job.method != Method::Path
                 && job.whole_spp >= engine::adaptive::GRAIN
-                && job.motion.shutter.is_none(),
+                && job.motion.has_equal_halves(job.whole_spp),
         method: job.method,
         layers: job.layers.clone(),
         crop: job.crop,

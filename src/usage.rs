@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use engine::adaptive::GRAIN;
 use engine::film::MAX_SIDE;
 use engine::scene::view::WhiteBalance;
 use thiserror::Error;
@@ -226,6 +227,19 @@ pub(crate) enum UsageError {
          --motion-samples"
     )]
     Moments {
+        /// Samples of the whole picture.
+        spp: u32,
+        /// Moments.
+        moments: u32,
+        /// Samples that can.
+        near: u32,
+    },
+    /// Samples by which a picture of several moments can't be judged.
+    #[error(
+        "--accuracy final: by {spp} samples a picture of {moments} moments can't be judged, of which each needs a multiple of {GRAIN}; write --spp {near}, or another number of \
+         --motion-samples"
+    )]
+    JudgedMoments {
         /// Samples of the whole picture.
         spp: u32,
         /// Moments.

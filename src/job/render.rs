@@ -4,6 +4,7 @@ use std::num::NonZeroU32;
 use std::path::PathBuf;
 use std::time::Duration;
 
+use engine::adaptive::GRAIN;
 use engine::denoise::GUIDES;
 use engine::film::write::{Form, TRANSPARENCY};
 use engine::film::{Crop, Layers, layers::SHADOW_CATCHER};
@@ -185,7 +186,7 @@ impl RenderJob {
             Some(_) => u32::MAX,
             None => samples.end,
         };
-        let motion = motion(&args, &limits, whole_spp)?;
+        let motion = motion(&args, accuracy, &limits, whole_spp)?;
         let samples = match &args.part {
             Some(part) => parse_part(part, samples.end)?,
             None => samples,
@@ -320,7 +321,12 @@ fn scaled(args: &RenderArgs) -> Result<(u32, u32), UsageError> {
 }
 
 /// When the scene is seen, and whether all else can be done so.
-fn motion(args: &RenderArgs, limits: &Limits, spp: u32) -> Result<MotionJob, UsageError> {
+fn motion(
+    args: &RenderArgs,
+    accuracy: Option<Accuracy>,
+    limits: &Limits,
+    spp: u32,
+) -> Result<MotionJob, UsageError> {
     let motion = MotionJob::from_args(&args.motion)?;
     let apart = |flag, other, because| {
         Err(UsageError::Apart {
@@ -360,6 +366,11 @@ fn motion(args: &RenderArgs, limits: &Limits, spp: u32) -> Result<MotionJob, Usa
     if is_several {
         return Err(UsageError::OneDevice { flag: "--shutter" });
     }
+    let is_final = accuracy == Some(Accuracy::Final);
+    if is_final && args.spp.is_none() {
+        let because = "by itself a picture ends where it is good enough, and would lack the last moments; say how many samples it gets, with --spp";
+        return apart(Accuracy::Final.flag(), "--shutter", because);
+    }
     if *limits != Limits::default() {
         let because = "a picture that ends early would lack the last moments; say how many samples it gets, with --spp";
         return apart("--shutter", "--noise, --flip or --time", because);
@@ -373,12 +384,21 @@ fn motion(args: &RenderArgs, limits: &Limits, spp: u32) -> Result<MotionJob, Usa
         return apart("--shutter", "--sample-range", because);
     }
     let moments = shutter.moments;
-    match spp % moments {
-        0 => Ok(motion),
-        _ => Err(UsageError::Moments {
+    let even = match is_final {
+        true => moments.saturating_mul(GRAIN),
+        false => moments,
+    };
+    match (spp.is_multiple_of(even), is_final) {
+        (true, _) => Ok(motion),
+        (false, false) => Err(UsageError::Moments {
             spp,
             moments,
-            near: spp.next_multiple_of(moments),
+            near: spp.next_multiple_of(even),
+        }),
+        (false, true) => Err(UsageError::JudgedMoments {
+            spp,
+            moments,
+            near: spp.next_multiple_of(even),
         }),
     }
 }
@@ -397,9 +417,6 @@ fn method(args: &RenderArgs, accuracy: Option<Accuracy>) -> Result<Method, Usage
     let by_blocks = (method.has_photons()).then_some(
         "photons are sent out for one sample of all pixels, and would take as long for some of them",
     );
-    let by_moments = may_begin_again.then_some(
-        "what is wrong with a picture of many moments isn't known; write --method cache",
-    );
     let by_bsdf = (method.has_photons()).then_some(
         "without it, what a surface scatters diffusely depends on where light comes from, which photons don't tell",
     );
@@ -412,7 +429,6 @@ fn method(args: &RenderArgs, accuracy: Option<Accuracy>) -> Result<Method, Usage
         ("--part", args.part.is_some(), by_parts),
         ("--sample-range", args.sample_range.is_some(), by_parts),
         ("--adaptive", args.adaptive, by_blocks),
-        ("--shutter", args.motion.shutter.is_some(), by_moments),
     ];
     let first = refused
         .into_iter()

@@ -42,9 +42,9 @@ pub(super) enum Scene {
 pub(super) struct Take<'a> {
     /// Ready for the first moment.
     pub(super) ready: Ready,
-    /// The further ones at which its shutter is open.
-    pub(super) others: &'a [Sight],
-    /// Where they come from; `None` where there are none.
+    /// All of them, as long as its shutter is open.
+    pub(super) sights: &'a [Sight],
+    /// Where they come from; `None` where there is no further one.
     pub(super) reel: Option<&'a mut Reel>,
     /// What the picture is rendered from, where that is known.
     pub(super) written: Option<Vec<(String, String)>>,
@@ -220,7 +220,7 @@ pub(super) fn render(
         }
     };
     let samples = job.first_sample..job.first_sample + job.spp.get();
-    let moments = take.others.len() as u32 + 1;
+    let moments = take.sights.len() as u32;
     let ends = motion::shares(moments, job.whole_spp, &samples);
     let ends_of_all = motion::shares(moments, job.whole_spp, &(0..job.whole_spp));
     let mut exposure = Exposure {
@@ -231,7 +231,12 @@ pub(super) fn render(
         after_first: Some(first),
         between: None,
     };
-    let mut reel = take.reel;
+    let mut shutter = Shutter {
+        job,
+        sights: take.sights,
+        reel: take.reel,
+        beside,
+    };
     let is_film_wanted = !job.outputs.films.is_empty();
     let (done, audit) = loop {
         let mut ended = None;
@@ -242,13 +247,8 @@ pub(super) fn render(
             if session.paths_done() >= u64::from(end) * session.paths_per_sample() {
                 continue; // a part of the samples, or a film that goes on, has no more of this moment
             }
-            if let (Some(sight), Some(reel)) = (number.checked_sub(1), reel.as_deref_mut()) {
-                let Seen { opening, sight, .. } = reel.at(&take.others[sight])?;
-                let settings = RenderSettings {
-                    moment_since: ends_of_all[number - 1],
-                    ..self::settings(job, &opening.loaded().camera, &sight, beside.clone())
-                };
-                session.show(opening, &settings, true).map_err(failure)?;
+            if let Some(before) = number.checked_sub(1) {
+                shutter.show(&mut session, number, ends_of_all[before], refined)?;
             }
             ended = exposure.accumulate(&mut session, end)?;
             if ended.is_some() {
@@ -276,12 +276,12 @@ pub(super) fn render(
             is_preview,
             is_awaited: session.records_awaited().is_some(),
         };
-        // Paths would be those of the last moment alone.
-        let is_judged = job.method != Method::Path && take.others.is_empty() && !take.is_piece;
+        let is_judged = job.method != Method::Path && shutter.is_judged() && !take.is_piece;
         let audit = match is_judged && is_as_wanted(done.ended.as_ref()) {
             true => {
                 bar.stage("looking how right the picture is");
-                Audit::new(&done.film, truth(&mut session)?.each_ref())
+                let truth = shutter.truth(&mut session)?;
+                truth.and_then(|truth| Audit::new(&done.film, truth.each_ref()))
             }
             false => None,
         };
@@ -291,7 +291,10 @@ pub(super) fn render(
         }
         refined += 1;
         bar.stage(REFINING);
-        session.refine();
+        match shutter.is_still() {
+            true => session.refine(),
+            false => shutter.show(&mut session, 0, 0, refined)?,
+        }
         exposure.watch.begin_anew();
         if let Some(writer) = exposure.writer.as_mut() {
             writer.tell_refined(refined);
@@ -382,6 +385,76 @@ struct Done {
 pub(super) fn truth(session: &mut Session) -> Result<[Film; 2], Failure> {
     let mut paths = |seed| session.trace_apart(seed, audit::SAMPLES).map_err(failure);
     Ok([paths(1)?, paths(2)?])
+}
+
+/// The moments at which a picture is taken.
+struct Shutter<'a> {
+    job: &'a RenderJob,
+    sights: &'a [Sight],
+    /// Where further ones come from.
+    reel: Option<&'a mut Reel>,
+    beside: Option<Arc<Beside>>,
+}
+
+impl Shutter<'_> {
+    /// There is but one.
+    fn is_still(&self) -> bool {
+        self.sights.len() == 1
+    }
+
+    /// Whether paths can tell what is wrong with the picture.
+    fn is_judged(&self) -> bool {
+        let job = self.job;
+        let is_whole = (job.first_sample, job.spp.get()) == (0, job.whole_spp);
+        self.is_still() || is_whole && job.motion.has_equal_halves(job.whole_spp)
+    }
+
+    /// Shows the scene at one of the moments, which has the samples after so many. At the first one the picture begins anew.
+    fn show(
+        &mut self,
+        session: &mut Session,
+        moment: usize,
+        samples: u32,
+        refined: u32,
+    ) -> Result<(), Failure> {
+        let Some(reel) = self.reel.as_deref_mut() else {
+            return Ok(()); // it is the only one
+        };
+        let Seen { opening, sight, .. } = reel.at(&self.sights[moment])?;
+        let camera = &opening.loaded().camera;
+        let settings = RenderSettings {
+            moment_since: samples,
+            refinement: refined,
+            ..settings(self.job, camera, &sight, self.beside.clone())
+        };
+        (session.show(opening, &settings, moment > 0)).map_err(failure)
+    }
+
+    /// As [`truth`], of all moments; `None` if a signal comes meanwhile. The last one is shown after that.
+    fn truth(&mut self, session: &mut Session) -> Result<Option<[Film; 2]>, Failure> {
+        if self.is_still() {
+            return truth(session).map(Some);
+        }
+        // As many of each one.
+        let samples = audit::SAMPLES.div_ceil(self.sights.len() as u32);
+        let mut films: Option<[Film; 2]> = None;
+        for moment in 0..self.sights.len() {
+            if interrupt::requested() {
+                return Ok(None);
+            }
+            self.show(session, moment, 0, 0)?;
+            let mut paths = |film| {
+                let seed = 2 * moment as u32 + film;
+                session.trace_apart(seed, samples).map_err(failure)
+            };
+            let further = [paths(1)?, paths(2)?];
+            match &mut films {
+                None => films = Some(further),
+                Some(films) => films.iter_mut().zip(&further).for_each(|(a, b)| a.add(b)),
+            }
+        }
+        Ok(films)
+    }
 }
 
 /// How far a film is that may be gone on with.

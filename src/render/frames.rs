@@ -85,7 +85,7 @@ pub(super) fn run(job: &RenderJob) -> Result<(), Failure> {
                 Some(session) => Scene::Next(first, session),
                 None => Scene::New(first),
             },
-            others: sights.get(1..).unwrap_or_default(),
+            sights: &sights,
             reel: Some(reel),
             clock,
         };

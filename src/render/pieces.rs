@@ -187,7 +187,7 @@ pub(super) fn render(
 ) -> Result<Rendered, Failure> {
     let Start {
         scene,
-        others,
+        sights,
         reel,
         clock,
     } = start;
@@ -202,7 +202,6 @@ pub(super) fn render(
     let Described {
         written,
         names,
-        sight,
         beside,
     } = Described::new(job, &seen);
     let device = gpu.description().name.clone();
@@ -222,9 +221,8 @@ pub(super) fn render(
         renderer: Renderer {
             seen: Some(seen),
             session,
-            sight,
             beside,
-            others,
+            sights,
             reel,
             refined,
         },
@@ -289,10 +287,9 @@ struct Renderer<'a> {
     /// What is seen first, where it isn't on the device yet.
     seen: Option<Seen>,
     session: Option<Box<Session>>,
-    sight: Sight,
     beside: Option<Arc<Beside>>,
-    /// The further moments of an open shutter, and where they come from.
-    others: &'a [Sight],
+    /// The moments of an open shutter, and where they come from.
+    sights: &'a [Sight],
     reel: Option<&'a mut Reel>,
     /// How often the picture has begun anew with finer records.
     refined: u32,
@@ -306,8 +303,8 @@ impl Renderer<'_> {
             (Some(seen), None, _) => Scene::New(seen),
             (Some(seen), Some(session), _) => Scene::Next(seen, session),
             // Back to the moment at which the shutter opens.
-            (None, Some(session), Some(reel)) if !self.others.is_empty() => {
-                let mut seen = reel.at(&self.sight)?;
+            (None, Some(session), Some(reel)) if self.sights.len() > 1 => {
+                let mut seen = reel.at(&self.sights[0])?;
                 seen.beside.clone_from(&self.beside);
                 Scene::Next(seen, session)
             }
@@ -359,7 +356,7 @@ impl Work<'_> {
     ) -> Result<(Found, Option<Audit>), Failure> {
         let job = self.job;
         let mut found = Found::default();
-        let is_judged = job.method != Method::Path && self.renderer.others.is_empty();
+        let is_judged = job.method != Method::Path && self.renderer.sights.len() == 1;
         let mut comparison = is_judged.then(Comparison::default);
         for piece in pieces.division().pieces() {
             let origin = origin_of(origin, job, &piece);
@@ -440,7 +437,7 @@ impl Work<'_> {
         let renderer = &mut self.renderer;
         let take = Take {
             ready,
-            others: renderer.others,
+            sights: renderer.sights,
             reel: renderer.reel.as_deref_mut(),
             written: Some(origin.settings.clone()),
             is_piece: true,
@@ -455,7 +452,6 @@ struct Described {
     written: Vec<(String, String)>,
     /// Of what layers of ids show.
     names: BTreeMap<String, Vec<String>>,
-    sight: Sight,
     beside: Option<Arc<Beside>>,
 }
 
@@ -466,7 +462,6 @@ impl Described {
         Self {
             written: alone::written(job, &loaded.scene, &loaded.procedural, &settings),
             names: job.layers.names(&loaded.scene),
-            sight: seen.sight.clone(),
             beside: seen.beside.clone(),
         }
     }

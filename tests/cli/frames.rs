@@ -239,6 +239,48 @@ fn an_open_shutter_is_the_sum_of_its_moments_and_of_its_parts() {
 }
 
 #[test]
+fn how_right_a_picture_of_many_moments_is_all_of_them_say() {
+    let bench = moving();
+    let (wide, moments) = (
+        "--size 64x48 --fps 2 --at 0.25",
+        "--shutter 1 --motion-samples 2",
+    );
+    let scene = SMALL.replace("--size 48x32 --spp 8", wide);
+    let bytes = |name: &str| fs::read(bench.path(name)).expect("it is there");
+    let line = format!("{scene} {moments} --spp 64");
+    let said = bench.run(&format!("{line} --accuracy final -o final.png"));
+    let said = said.expect_code(0).stdout;
+    let bias = said.lines().find(|line| line.starts_with("biased: "));
+    let numbers: Vec<f64> = bias
+        .unwrap_or_else(|| panic!("nobody looked: {said}"))
+        .split(|c: char| !c.is_ascii_digit() && !".+-".contains(c))
+        .filter_map(|word| word.parse().ok())
+        .collect();
+    // Between them stand the sides of blocks.
+    let [brightness, certainty, 8.0, 8.0, least, most, ..] = numbers[..] else {
+        panic!("{said}");
+    };
+    // The triangle is elsewhere half of the time: paths of one moment alone would find blocks off by all that they show.
+    assert!(brightness.abs() < 2.0 * certainty + 0.1, "{said}");
+    assert!(least == 0.0 && most < 20.0, "{said}");
+    // Nothing was made finer, so this is what the cache says.
+    bench
+        .run(&format!("{line} --method cache -o cache.png"))
+        .expect_code(0);
+    assert!(bytes("final.png") == bytes("cache.png"));
+    // Halves that see other moments can't be compared.
+    let uneven = line.replace("--spp 64", "--spp 48");
+    let said = bench.run(&format!("{uneven} --method cache -o uneven.png"));
+    assert!(!said.expect_code(0).stdout.contains("biased: "));
+    bench
+        .run(&format!("{uneven} --accuracy final -o no.png"))
+        .expect_error(2, "--spp 64");
+    bench
+        .run(&format!("{scene} {moments} --accuracy final -o no.png"))
+        .expect_error(2, "with --spp");
+}
+
+#[test]
 fn a_turntable_begins_where_the_camera_is() {
     let bench = moving();
     bench
