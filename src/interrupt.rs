@@ -152,6 +152,7 @@ mod system {
     pub(super) const ALL: [i32; 3] = [SIGINT, SIGTERM, SIGHUP];
 
     pub(super) fn listen() -> io::Result<()> {
+        bear_limits_of_files();
         // `nohup` has SIGHUP ignored, and that is meant for its children too.
         let wanted = ALL.into_iter().filter(|&s| s != SIGHUP || !is_ignored(s));
         let mut signals = Signals::new(wanted)?;
@@ -159,6 +160,15 @@ mod system {
             .name("signals".to_owned())
             .spawn(move || signals.forever().for_each(super::arrived))?;
         Ok(())
+    }
+
+    /// Where a file grows beyond what is allowed (`ulimit -f`, the limits of batch systems), writing to it fails from now on, and all
+    /// else is kept as on a full disk. By default the signal of that ends the program at once.
+    fn bear_limits_of_files() {
+        // SAFETY: the call has no function of ours called; nothing else here sets or reads what this signal does.
+        unsafe {
+            libc::signal(libc::SIGXFSZ, libc::SIG_IGN);
+        }
     }
 
     fn is_ignored(signal: i32) -> bool {

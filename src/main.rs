@@ -46,6 +46,7 @@ mod watch;
 mod words;
 
 use std::process::ExitCode;
+use std::thread;
 
 use clap::Parser;
 
@@ -53,16 +54,48 @@ use args::Args;
 use failure::Failure;
 use job::Job;
 
+/// Bytes of the stack that all but a window has. The first thread's grows, and where the memory that it would grow into is taken or may not
+/// be had, the system ends the program without a word.
+const STACK: usize = 8 << 20;
+
+/// The exit code of a fault, which has been told.
+const FAULT: u8 = 101;
+
+/// What is left to the first thread.
+enum Left {
+    /// It is done.
+    Nothing(ExitCode),
+    /// A window, which no other thread may have.
+    Window(Box<Job>),
+}
+
 fn main() -> ExitCode {
     // Mesa's device-selection layer complains on machines without a display; the device is chosen by `--device`.
     // SAFETY: nothing else runs yet that could read the environment.
     unsafe { std::env::set_var("NODEVICE_SELECT", "1") };
     fault::install();
+    match thread::Builder::new().stack_size(STACK).spawn(begin) {
+        Ok(begun) => match begun.join() {
+            Ok(Left::Nothing(code)) => code,
+            Ok(Left::Window(job)) => exit::with(run(*job)),
+            Err(_) => ExitCode::from(FAULT),
+        },
+        Err(error) => {
+            console::set_format(args::message_format(std::env::args_os()));
+            exit::with(Err(Failure::Failed(format!(
+                "cannot start a thread: {error}; end other programs, or raise what is limited (`ulimit -u`, or `-v`, their memory)"
+            ))))
+        }
+    }
+}
+
+/// All but a window.
+fn begin() -> Left {
     let args = match Args::try_parse() {
         Ok(args) => args,
         Err(answer) => {
             console::set_format(args::message_format(std::env::args_os()));
-            return exit::with_clap(&answer);
+            return Left::Nothing(exit::with_clap(&answer));
         }
     };
     console::set_format(args.message_format);
@@ -75,7 +108,10 @@ fn main() -> ExitCode {
             .and_then(|()| threads::start(job.threads()))
             .map(|()| job)
     };
-    exit::with(job.and_then(ready).and_then(run))
+    match job.and_then(ready) {
+        Ok(job @ Job::View(_)) => Left::Window(Box::new(job)),
+        job => Left::Nothing(exit::with(job.and_then(run))),
+    }
 }
 
 fn run(job: Job) -> Result<(), Failure> {

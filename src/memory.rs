@@ -5,10 +5,12 @@ use std::fs;
 use std::path::Path;
 
 use device::Device;
+use engine::film::Layers;
 use engine::film::write::Format;
 use engine::procedural::Procedural;
 use engine::renderer::{DeviceMemory, RenderSettings, file_bytes, snapshot_bytes};
 use engine::scene::Scene;
+use engine::settings::Method;
 use pictures::seen::noise_bytes;
 
 use crate::console;
@@ -25,7 +27,7 @@ pub(crate) struct Need {
     devices: Vec<OnDevice>,
     /// Copies of the film that are handed around.
     film: u64,
-    /// What files are made from, or the noise is looked at with.
+    /// What files are made from, the noise is looked at with, or the picture is judged by.
     files: u64,
 }
 
@@ -46,11 +48,32 @@ impl Need {
         procedural: &Procedural,
         devices: &[Device],
     ) -> Self {
+        let bytes = |device: &Device, settings: &RenderSettings| {
+            DeviceMemory::of(device, scene, procedural, settings)
+        };
         let on_device = |device: &Device| OnDevice {
             name: device.description().name.clone(),
-            bytes: DeviceMemory::of(device, scene, procedural, settings),
+            bytes: bytes(device, settings),
             is_shared: device.traits().shares_the_processor,
         };
+        let mut on_devices: Vec<_> = devices.iter().map(on_device).collect();
+        let is_judged = settings.method != Method::Path;
+        // Where several devices render, a renderer that is made for it on one of them tells how right the picture is.
+        let judge = (is_judged && devices.len() > 1).then(|| RenderSettings {
+            method: Method::Path,
+            layers: Layers::default(),
+            ..settings.clone()
+        });
+        if let (Some(judge), [first, ..], [device, ..]) = (&judge, &mut on_devices[..], devices) {
+            first.bytes = both(first.bytes, bytes(device, judge));
+        }
+        // It is compared with two films of paths, of each moment of a shutter where it was open.
+        let films = match job.motion.shutter.is_some() {
+            true => 4,
+            false => 2,
+        };
+        let judged_by =
+            is_judged.then(|| films * snapshot_bytes(judge.as_ref().unwrap_or(settings)));
         let copies = match devices.len() {
             // One is written while the next one is read.
             1 => 1 + u64::from(job.checkpoints.is_some()),
@@ -66,11 +89,12 @@ impl Need {
         let size = [settings.width, settings.height].map(u64::from);
         let look = job.limits.flip.map(|_| noise_bytes(size));
         Self {
-            devices: devices.iter().map(on_device).collect(),
+            devices: on_devices,
             film: copies * snapshot_bytes(settings),
             files: pictures
                 .map(|output| file(output.format))
                 .chain(look)
+                .chain(judged_by)
                 .max()
                 .unwrap_or_default(),
         }
@@ -148,6 +172,16 @@ impl Need {
             shown(needed),
             self.text()
         )))
+    }
+}
+
+/// Of two renderers on one device.
+fn both(one: DeviceMemory, other: DeviceMemory) -> DeviceMemory {
+    DeviceMemory {
+        film: one.film + other.film,
+        layers: one.layers + other.layers,
+        scene: one.scene + other.scene,
+        paths: one.paths + other.paths,
     }
 }
 

@@ -4,7 +4,7 @@
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use engine::scene::look::{Look, LookDocument, Section, Value};
+use engine::scene::look::{Look, LookDocument, Section, Value, parse_value};
 use engine::session::Edit;
 use engine::system::Disk;
 use texgen::{Diagnostic, Diagnostics, Label, Severity, SourceFile};
@@ -192,6 +192,9 @@ impl<'a> Edited<'a> {
         }
         if let Some(flag) = named {
             told.message = format!("{flag}: {}", mistake.message);
+            if is_like_a_number(flag) {
+                told.notes.push("numbers are written as in 0.2".to_owned());
+            }
         }
         told
     }
@@ -206,6 +209,22 @@ impl<'a> Edited<'a> {
         }
         Ok(span)
     }
+}
+
+/// Whether `--set` was given what begins like a number and is none: `20%`, `0,2`.
+fn is_like_a_number(flag: &str) -> bool {
+    let Some((_, value)) = flag
+        .strip_prefix("--set ")
+        .and_then(|set| set.split_once('='))
+    else {
+        return false;
+    };
+    let digits = value.trim().trim_start_matches(['+', '-']);
+    let digits = digits.strip_prefix('.').unwrap_or(digits);
+    let is_number = value.trim().parse::<f64>().is_ok();
+    digits.starts_with(|c: char| c.is_ascii_digit())
+        && !is_number
+        && parse_value(value.trim()).is_none()
 }
 
 /// What an edit has changed of a text.
@@ -378,6 +397,25 @@ mod tests {
             let told = told(&overrides, None, word);
             assert_eq!(told.message, format!("{flag}: wrong"));
             assert!(!told.to_json().contains("\"file\""), "{}", told.to_json());
+        }
+    }
+
+    #[test]
+    fn what_begins_like_a_number_is_told_how_numbers_are_written() {
+        for (value, is_told) in [
+            ("20%", true),
+            ("0,2", true),
+            ("-1.5.2", true),
+            ("mask", false),
+            (".mask", false),
+            ("2", false),
+            (".2", false),
+            ("0x10", false),
+        ] {
+            let given = format!("material.M.roughness={value}");
+            let told = told(&set(&[given.as_str()]), None, "roughness");
+            let note = "numbers are written as in 0.2".to_owned();
+            assert_eq!(told.notes.contains(&note), is_told, "{value}");
         }
     }
 

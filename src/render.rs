@@ -365,8 +365,8 @@ fn write(
             return (Err(Failure::Interrupted), rendered.rest);
         }
         console::warning(&format!(
-            "interrupted: every pixel has at least {lowest} of {} samples",
-            job.spp
+            "interrupted: every pixel has at least {}",
+            job.samples_told(lowest)
         ));
     }
     let stats = rendered.stats;

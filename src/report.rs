@@ -11,8 +11,9 @@ use engine::stats::{DeviceFacts, Stats};
 use serde::Serialize;
 
 use crate::console;
-use crate::job::RenderJob;
+use crate::job::{Limits, RenderJob};
 use crate::output::{self, OutputError};
+use crate::words::MAX_SPP;
 
 /// Textures that the table lists.
 const EXPENSIVE: usize = 12;
@@ -34,8 +35,8 @@ pub(crate) struct Report {
     width: u32,
     /// Pixels.
     height: u32,
-    /// As asked for.
-    samples_per_pixel: u32,
+    /// As asked for; `null` where something else ends the picture and nobody has said how many.
+    samples_per_pixel: Option<u32>,
     /// Taken by the pixel with the fewest; less than asked for after Ctrl-C.
     samples_per_pixel_done: u32,
     max_depth: u32,
@@ -57,6 +58,26 @@ pub(crate) struct Seconds {
     pub(crate) render: f64,
 }
 
+impl RenderJob {
+    /// Samples per pixel as asked for; `None` where something else ends the picture and nobody has said how many.
+    fn spp_asked_for(&self) -> Option<u32> {
+        let is_said = self.whole_spp != MAX_SPP || self.limits == Limits::default();
+        is_said.then(|| self.spp.get())
+    }
+
+    /// So many samples per pixel, and of how many, as far as that was asked for: `3 of 64 samples`.
+    pub(crate) fn samples_told(&self, done: u32) -> String {
+        told(done, self.spp_asked_for())
+    }
+}
+
+fn told(done: u32, asked_for: Option<u32>) -> String {
+    match asked_for {
+        Some(spp) => format!("{done} of {spp} samples"),
+        None => format!("{done} samples"),
+    }
+}
+
 impl Report {
     /// Collects the figures of a finished (or interrupted) render.
     pub(crate) fn new(
@@ -76,7 +97,7 @@ impl Report {
             devices,
             width: job.width,
             height: job.height,
-            samples_per_pixel: job.spp.get(),
+            samples_per_pixel: job.spp_asked_for(),
             samples_per_pixel_done: tally.sample_bounds().0,
             max_depth: job.max_depth,
             seed: job.seed,
@@ -93,8 +114,10 @@ impl Report {
         let _ = writeln!(text, "\n{}", self.device.title);
         let _ = writeln!(
             text,
-            "{}x{}, {} of {} samples per pixel\n",
-            self.width, self.height, self.samples_per_pixel_done, self.samples_per_pixel
+            "{}x{}, {} per pixel\n",
+            self.width,
+            self.height,
+            told(self.samples_per_pixel_done, self.samples_per_pixel)
         );
         if stats.timestamps {
             let _ = writeln!(

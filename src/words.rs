@@ -77,10 +77,13 @@ impl Outputs {
 
     /// Where a render under way is kept: in the film that is asked for, else beside the first picture, by its name.
     pub(crate) fn checkpoint(&self) -> PathBuf {
-        let picture = || self.pictures.first().map(|output| &output.path);
-        let named = self.films.first().or_else(picture);
-        named
-            .map(|path| path.with_extension(FILM_EXTENSION))
+        // Of a film the ending may be written with other letters.
+        if let Some(film) = self.films.first() {
+            return film.clone();
+        }
+        let picture = self.pictures.first();
+        picture
+            .map(|output| output.path.with_extension(FILM_EXTENSION))
             .unwrap_or_default()
     }
 

@@ -25,6 +25,26 @@ fn names(folder: &Path) -> Vec<String> {
     entries.map(name).collect()
 }
 
+#[cfg(unix)]
+#[test]
+fn the_stack_of_the_first_thread_may_be_small() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    // As it is where the memory that it would grow into is taken. A shell that can't set it leaves it as it is.
+    let line = "ulimit -s 512 2>/dev/null; exec \"$0\" \"$@\"";
+    let ended = Command::new("sh")
+        .current_dir(env!("CARGO_MANIFEST_DIR"))
+        .args(["-c", line, env!("CARGO_BIN_EXE_patina")])
+        .args(["render", "examples/demo/demo.gltf", "--device", "native"])
+        .args(["--size", "8x8", "--spp", "1", "-o"])
+        .arg(folder.path().join("a.png"))
+        .env("PATINA_CACHE", "off")
+        .stdin(Stdio::null())
+        .output()
+        .expect("sh starts");
+    let said = String::from_utf8_lossy(&ended.stderr);
+    assert!(ended.status.success(), "{}: {said}", ended.status);
+}
+
 fn render(cache: &Path, out: &Path) -> Command {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut command = Command::new(env!("CARGO_BIN_EXE_patina"));

@@ -179,6 +179,30 @@ fn check_shows_all_mistakes_and_sets_the_exit_code() {
     desk.run("texture check", 0);
     let here = desk.run("texture check .", 1);
     assert!(here.stdout.contains("checked 2 textures"));
+    // What textures share is checked as they use it.
+    let shared = desk
+        .with("lib/base.wgsl", "fn base(x: f32) -> f32 { return x; }")
+        .with(
+            "lib/waves.wgsl",
+            "/// @use base\nfn wave(x: f32) -> f32 { return base(x); }",
+        )
+        .with(
+            "lib/wrong.wgsl",
+            "fn wrong(x: f32) -> f32 {\n    return y;\n}",
+        );
+    shared.run("texture check lib/waves.wgsl", 0);
+    let outcome = shared.run("texture check lib", 1);
+    assert!(
+        outcome.stdout.contains("wrong.wgsl:2:12"),
+        "{}",
+        outcome.stdout
+    );
+    assert!(
+        outcome.stdout.contains("checked 3 textures: 1 error,"),
+        "{}",
+        outcome.stdout
+    );
+    let desk = shared;
     let missing = desk.run("texture check vornoi", 1);
     assert!(missing.stdout.contains("did you mean `voronoi`?"));
     desk.run("texture check no/such.wgsl", 1);
@@ -540,6 +564,38 @@ fn is_shown(shown: &str, line: &str) -> bool {
         _ => a == b,
     };
     a.clone().count() == b.clone().count() && a.zip(b).all(same)
+}
+
+#[test]
+fn a_node_that_needs_too_much_at_once_is_named() {
+    if !device() {
+        return;
+    }
+    // A chain there and back: all of the way there is read again on the way back.
+    let node = |name: String, a: String, b: String| {
+        format!("[node.{name}]\ntexture = \"add\"\na = {a}\nb = {b}\n")
+    };
+    let link = |name: &str, i: usize| format!("\"{name}{i}\"");
+    let mut look = node("there0".into(), "1.0".into(), "1.0".into());
+    for i in 1..300 {
+        look += &node(format!("there{i}"), link("there", i - 1), "1.0".into());
+    }
+    look += &node("back299".into(), link("there", 299), "1.0".into());
+    for i in 0..299 {
+        look += &node(format!("back{i}"), link("back", i + 1), link("there", i));
+    }
+    let desk = Desk::new().with("long.look.toml", &look).with(
+        "user_textures/add.wgsl",
+        "fn userProc(a: f32, b: f32) -> f32 { return a + 0.5 * b; }",
+    );
+    let outcome = desk.run("texture eval back0 --look long.look.toml", 1);
+    for part in [
+        "node `back0` of long.look.toml",
+        "intermediate results",
+        "fewer nodes",
+    ] {
+        assert!(outcome.stderr.contains(part), "{}", outcome.stderr);
+    }
 }
 
 #[test]

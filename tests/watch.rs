@@ -124,6 +124,11 @@ fn a_saved_texture_is_seen_and_a_wrong_one_is_told() {
     watch.expect(&["rings.wgsl", "16 spp"]);
     assert_eq!(first, pixels(&stage.path("out.png")), "mended");
 
+    // What is odd is told of edits, too.
+    let odd = RINGS.replace("rings = 3", "rings [5 .. 1] = 3");
+    stage.write("textures/rings.wgsl", &odd);
+    watch.expect(&["warning", "not a range"]);
+
     // A texture that is no mistake, but gives no numbers.
     let broken = "fn userProc(count: f32) -> f32 { return count * sqrt(-1.0 - abs(readAttr(WorldPos).x)); }\n";
     stage.replace("textures/rings.wgsl", broken);

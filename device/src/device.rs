@@ -16,6 +16,18 @@ fn own_number(drivers: &[DeviceDescription]) -> usize {
     drivers.iter().filter(|device| !device.is_processor).count()
 }
 
+/// Whether a name, or a part of one, means the processor itself: a device that comes before it in the list and has the part in its name is
+/// meant first.
+fn is_own(name: &str, all: impl FnOnce() -> Vec<DeviceDescription>) -> bool {
+    let is_part = || native::NAME.contains(&name.to_lowercase());
+    let is_first = || {
+        let choice = DeviceChoice::Name(name.to_owned());
+        let first = all().into_iter().find(|device| choice.admits(device));
+        first.is_some_and(|device| device.name == native::NAME)
+    };
+    name.eq_ignore_ascii_case(native::NAME) || is_part() && is_first()
+}
+
 /// Which device to open, and how.
 #[derive(Debug, Clone, Default)]
 pub struct DeviceOptions {
@@ -128,7 +140,7 @@ impl Device {
             DeviceChoice::Best => !options.ray_queries && !has_gpu(),
             DeviceChoice::Driver => false,
             DeviceChoice::Index(index) => *index == own_number(&Gpu::all()),
-            DeviceChoice::Name(name) => name.eq_ignore_ascii_case(native::NAME),
+            DeviceChoice::Name(name) => is_own(name, Self::all),
         };
         Ok(Self {
             kind: match is_meant {
@@ -430,5 +442,34 @@ impl Device {
                 Ok(())
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_part_of_a_name_means_the_first_device_in_the_list_that_has_it() {
+        let own = native::describe(1);
+        let device = |name: &str| DeviceDescription {
+            name: name.to_owned(),
+            ..own.clone()
+        };
+        let all = || vec![device("Innovative GPU"), own.clone(), device("llvmpipe")];
+        for (name, is_meant) in [
+            ("native", true),
+            ("Native", true),
+            ("NAT", true),
+            ("ive", false),
+            ("e", false),
+            ("llvm", false),
+            ("natives", false),
+        ] {
+            assert_eq!(is_own(name, all), is_meant, "{name}");
+        }
+        let drivers = || vec![own.clone(), device("llvmpipe")];
+        assert!(is_own("ve", drivers) && is_own("v", drivers));
+        assert!(!is_own("vm", drivers));
     }
 }

@@ -50,7 +50,7 @@ impl Subject<'_> {
             }
             Self::Node(name, look) => {
                 let (name, take) = output_of(name);
-                let (look, _) = expanded(look, &**sources.files())?;
+                let (look, _) = expanded(look, &**sources.files(), None)?;
                 let Some(node) = look.nodes.iter().find(|node| node.name.value == name) else {
                     let names = || look.nodes.iter().map(|node| node.name.value.as_str());
                     let note = match did_you_mean(name, names()) {

@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 
 use texgen::{Diagnostic, SourceFile};
 
-/// Definitions don't inherit from each other through more than these, which ends circles, too.
-const MAX_BASES: usize = 256;
+/// Elements don't inherit from each other through more than these, which ends circles, too.
+const MAX_BASES: usize = 64;
 
 /// Number of an element in its [`Document`].
 pub type ElementId = usize;
@@ -58,6 +58,10 @@ pub struct Document {
     by_name: HashMap<(ElementId, String), Vec<ElementId>>,
     /// Definitions by the categories that they define.
     definitions: HashMap<String, Vec<ElementId>>,
+    /// Graphs and implementations by the names of the definitions that they implement.
+    implementations: HashMap<String, Vec<ElementId>>,
+    /// Its materials are those of a model of the same file, which says the rest of them.
+    pub(crate) is_of_model: bool,
 }
 
 impl Document {
@@ -92,20 +96,40 @@ impl Document {
             paths,
             by_name: HashMap::new(),
             definitions: HashMap::new(),
+            implementations: HashMap::new(),
+            is_of_model: false,
         };
         for (id, element) in document.elements.iter().enumerate() {
             let Some(parent) = element.parent.filter(|_| element.kind != "materialx") else {
                 continue;
             };
-            let parent = match &*document.elements[parent].kind {
+            let outer = &document.elements[parent];
+            // What stands in a file with a namespace is called with it from outside, and without it inside.
+            let space = outer
+                .attribute("namespace")
+                .filter(|_| outer.kind == "materialx");
+            let parent = match &*outer.kind {
                 "materialx" => Self::ROOT,
                 _ => parent,
             };
             document.children[parent].push(id);
-            let place = (parent, element.name().to_owned());
-            document.by_name.entry(place).or_default().push(id);
+            let names = |name: &str| {
+                let outside = space.map(|space| format!("{space}:{name}"));
+                std::iter::once(name.to_owned()).chain(outside)
+            };
+            for name in names(element.name()) {
+                let known = document.by_name.entry((parent, name));
+                known.or_default().push(id);
+            }
             if let ("nodedef", Some(node)) = (&*element.kind, element.attribute("node")) {
-                let known = document.definitions.entry(node.to_owned());
+                for name in names(node) {
+                    document.definitions.entry(name).or_default().push(id);
+                }
+            }
+            if let Some(name) = element.attribute("nodedef")
+                && matches!(&*element.kind, "nodegraph" | "implementation")
+            {
+                let known = document.implementations.entry(name.to_owned());
                 known.or_default().push(id);
             }
         }
@@ -122,10 +146,12 @@ impl Document {
         found.map_or(&[], Vec::as_slice)
     }
 
-    /// The element of that name inside of another one.
+    /// The element of that name inside of another one, or of the nearest that this inherits from.
     pub fn named(&self, parent: ElementId, name: &str) -> Option<ElementId> {
-        let mut called = self.called(parent, name).iter().copied();
-        called.find(|&child| !matches!(&*self.element(child).kind, "input" | "output"))
+        self.lineage(parent).find_map(|at| {
+            let mut called = self.called(at, name).iter().copied();
+            called.find(|&child| !matches!(&*self.element(child).kind, "input" | "output"))
+        })
     }
 
     /// The first child of a kind and name.
@@ -139,42 +165,52 @@ impl Document {
         self.definitions.get(category).map_or(&[], Vec::as_slice)
     }
 
-    /// A definition and those that it inherits from, the nearest first.
-    pub fn lineage(&self, definition: ElementId) -> impl Iterator<Item = ElementId> {
+    /// An element and those that it inherits from, the nearest first: they have its kind and stand where it stands.
+    pub fn lineage(&self, id: ElementId) -> impl Iterator<Item = ElementId> {
         let base = move |&at: &ElementId| {
-            let name = self.element(at).attribute("inherit")?;
-            self.child(Self::ROOT, "nodedef", name)
+            let element = self.element(at);
+            let name = element.attribute("inherit")?;
+            let parent = element.parent?;
+            let parent = match &*self.element(parent).kind {
+                "materialx" => Self::ROOT,
+                _ => parent,
+            };
+            self.child(parent, &element.kind, name)
         };
-        std::iter::successors(Some(definition), base).take(MAX_BASES)
-    }
-
-    /// An input as a definition declares it, or else the nearest that it inherits from.
-    pub fn declared(&self, definition: ElementId, name: &str) -> Option<ElementId> {
-        self.lineage(definition).find_map(|at| self.input(at, name))
+        std::iter::successors(Some(id), base).take(MAX_BASES)
     }
 
     /// The graph that a definition is implemented by.
     pub fn implementation(&self, definition: ElementId) -> Option<ElementId> {
-        let name = self.element(definition).name();
-        self.children(Self::ROOT).iter().copied().find_map(|at| {
+        let known = self.implementations.get(self.element(definition).name())?;
+        known.iter().copied().find_map(|at| {
             let element = self.element(at);
-            if element.attribute("nodedef") != Some(name) {
-                return None;
-            }
             match &*element.kind {
-                "nodegraph" => Some(at),
                 "implementation" => {
                     self.child(Self::ROOT, "nodegraph", element.attribute("nodegraph")?)
                 }
-                _ => None,
+                _ => Some(at),
             }
         })
     }
 
-    /// An `input` of an element (`parameter` in files before 1.37).
+    /// An `input` of an element (`parameter` in files before 1.37), or else of the nearest that it inherits from.
     pub fn input(&self, parent: ElementId, name: &str) -> Option<ElementId> {
-        let input = self.child(parent, "input", name);
-        input.or_else(|| self.child(parent, "parameter", name))
+        self.lineage(parent).find_map(|at| {
+            let input = self.child(at, "input", name);
+            input.or_else(|| self.child(at, "parameter", name))
+        })
+    }
+
+    /// An `output` of a graph, or else of the nearest that it inherits from: that of a name, or the first.
+    pub fn output(&self, graph: ElementId, name: Option<&str>) -> Option<ElementId> {
+        self.lineage(graph).find_map(|at| match name {
+            Some(name) => self.child(at, "output", name),
+            None => {
+                let mut inside = self.children(at).iter().copied();
+                inside.find(|&child| self.element(child).kind == "output")
+            }
+        })
     }
 
     /// An attribute of an element, or of the nearest one that it stands in.

@@ -4,7 +4,7 @@
 mod json;
 mod materials;
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
 use scene::input::Files;
@@ -59,6 +59,7 @@ impl Document {
             gltf: &gltf,
             elements: Vec::new(),
             graphs: Vec::new(),
+            places: places(source.text()),
         };
         builder.add("materialx", None, &[("version", "1.39")], 0..0);
         builder.check_versions()?;
@@ -75,11 +76,9 @@ impl Document {
         }
         builder.materials()?;
         let elements = builder.elements;
-        Ok(Self::new(
-            elements,
-            vec![source.clone()],
-            vec![path.to_owned()],
-        ))
+        let mut document = Self::new(elements, vec![source.clone()], vec![path.to_owned()]);
+        document.is_of_model = true;
+        Ok(document)
     }
 }
 
@@ -96,6 +95,8 @@ struct Builder<'j> {
     gltf: &'j Json,
     elements: Vec<Element>,
     graphs: Vec<Graph>,
+    /// Where texts are first written behind the extension's name.
+    places: HashMap<&'j str, std::ops::Range<usize>>,
 }
 
 impl Builder<'_> {
@@ -126,13 +127,11 @@ impl Builder<'_> {
 
     /// Where a name is first written behind the extension's, to show the line; the extension where it isn't found.
     fn place(&self, name: &str) -> std::ops::Range<usize> {
-        let text = self.source.text();
-        let graphs = text.find("\"procedurals\"").unwrap_or(0);
-        let quoted = format!("\"{name}\"");
-        match text[graphs..].find(&quoted) {
-            Some(at) => graphs + at..graphs + at + quoted.len(),
-            None => graphs..graphs,
+        if let Some(place) = self.places.get(name) {
+            return place.clone();
         }
+        let start = self.places.get("procedurals").map_or(0, |at| at.start);
+        start..start
     }
 
     fn problem(&self, name: &str, message: impl Into<String>) -> Diagnostic {
@@ -346,6 +345,27 @@ impl Builder<'_> {
             }
         }
     }
+}
+
+/// Where each text of a JSON file, between its quotes, is first written behind the extension's name.
+fn places(text: &str) -> HashMap<&str, std::ops::Range<usize>> {
+    let mut places = HashMap::new();
+    let mut at = text.find("\"procedurals\"").unwrap_or(0);
+    while let Some(open) = text[at..].find('"').map(|open| at + open) {
+        let mut is_escaped = false;
+        let end = text.as_bytes()[open + 1..].iter().position(|&byte| {
+            let ends = byte == b'"' && !is_escaped;
+            is_escaped = byte == b'\\' && !is_escaped;
+            ends
+        });
+        let Some(end) = end else { break };
+        let close = open + 1 + end;
+        places
+            .entry(&text[open + 1..close])
+            .or_insert(open..close + 1);
+        at = close + 1;
+    }
+    places
 }
 
 /// Names of nodes, each of its own.

@@ -15,6 +15,12 @@ const MAX_BYTES: u64 = 64 << 20;
 const MAX_FILES: usize = 256;
 /// More elements and attributes a file doesn't have.
 const MAX_ELEMENTS: u32 = 2_000_000;
+/// More prefixes of names that are declared nowhere aren't taken.
+const MAX_PREFIXES: usize = 16;
+/// What MaterialX comes with: its nodes are here without its files.
+const LIBRARIES: [&str; 7] = [
+    "stdlib", "pbrlib", "bxdf", "nprlib", "cmlib", "lights", "targets",
+];
 /// Elements don't stand in each other deeper than this; those of MaterialX are at most five deep.
 const MAX_DEPTH: usize = 64;
 
@@ -74,22 +80,28 @@ impl Reader<'_> {
         parent: Option<ElementId>,
     ) -> Result<(), Diagnostics> {
         let source = SourceFile::new("materialx", path.display().to_string(), text);
-        let options = ParsingOptions {
-            allow_dtd: false,
-            nodes_limit: MAX_ELEMENTS,
-            ..ParsingOptions::default()
-        };
         if let Some(at) = too_deep(text) {
             return Err(Diagnostic::error("elements stand in each other too deep")
                 .with_label(&source, at..at + 1, "")
                 .with_note(format!("at most {MAX_DEPTH} levels are read"))
                 .into());
         }
-        let xml = roxmltree::Document::parse_with_options(text, options).map_err(|error| {
+        let declared;
+        let (whole, at, xml) = match parse(text) {
+            Err(roxmltree::Error::UnknownNamespace(..)) => {
+                let at;
+                (declared, at) = with_prefixes(text);
+                (&*declared, at, parse(&declared))
+            }
+            xml => (text, text.len(), xml),
+        };
+        let length = whole.len() - text.len();
+        let added = Added { at, length };
+        let xml = xml.map_err(|error| {
             let place = error.pos();
-            let at = source
+            let at = SourceFile::new("materialx", String::new(), whole)
                 .offset(place.row as usize, place.col as usize)
-                .unwrap_or(text.len());
+                .map_or(text.len(), |at| added.original(at));
             Diagnostic::error(format!("not valid XML: {error}")).with_label(&source, at..at, "")
         })?;
         let root = xml.root_element();
@@ -100,24 +112,25 @@ impl Reader<'_> {
             let name = root.tag_name().name();
             let message = format!("this is no MaterialX: its outermost element is <{name}>");
             return Err(Diagnostic::error(message)
-                .with_label(&source, start_tag(text, &root), "")
+                .with_label(&source, added.start_tag(whole, &root), "")
                 .with_note("a document begins with <materialx version=\"1.39\">")
                 .into());
         }
-        self.element(text, &root, number, parent)
+        self.element(whole, &added, &root, number, parent)
     }
 
     /// Adds an element with all that is in it.
     fn element(
         &mut self,
         text: &str,
+        added: &Added,
         node: &Node<'_, '_>,
         file: usize,
         parent: Option<ElementId>,
     ) -> Result<(), Diagnostics> {
         let mut open = vec![(*node, parent)];
         while let Some((node, parent)) = open.pop() {
-            let span = start_tag(text, &node);
+            let span = added.start_tag(text, &node);
             if node.tag_name().name() == "include"
                 && let (Some(href), Some(parent)) = (node.attribute("href"), parent)
             {
@@ -129,7 +142,7 @@ impl Reader<'_> {
                 .attributes()
                 .map(|a| (a.name().to_owned(), a.value().to_owned()));
             self.elements.push(Element {
-                kind: node.tag_name().name().to_owned(),
+                kind: kind(&node),
                 attributes: attributes.collect(),
                 children: Vec::new(),
                 parent,
@@ -169,6 +182,9 @@ impl Reader<'_> {
                 "put what is needed into fewer files",
             ));
         }
+        if is_library(href) && !self.files.has(&path) {
+            return Ok(());
+        }
         let text = input::read_text(self.files, &path, MAX_BYTES).map_err(|error| {
             let remedy = match error.kind() {
                 ErrorKind::NotFound => "names of included files are relative to the file itself",
@@ -197,12 +213,75 @@ fn plain(path: &Path) -> PathBuf {
     out
 }
 
-/// Bytes of an element's start tag.
-fn start_tag(text: &str, node: &Node<'_, '_>) -> std::ops::Range<usize> {
-    let range = node.range();
-    let whole = &text[range.clone()];
-    let end = whole.find('>').map_or(whole.len(), |end| end + 1);
-    range.start..range.start + end
+/// Whether a file is one of those that MaterialX comes with.
+fn is_library(href: &str) -> bool {
+    let mut folders = href.split(['/', '\\']).rev().skip(1);
+    folders.any(|folder| folder == "libraries" || LIBRARIES.contains(&folder))
+}
+
+/// What has been added to a text so that it is valid XML.
+struct Added {
+    at: usize,
+    length: usize,
+}
+
+impl Added {
+    /// The place in the text as it is written.
+    fn original(&self, at: usize) -> usize {
+        match at <= self.at {
+            true => at,
+            false => at.saturating_sub(self.length).max(self.at),
+        }
+    }
+
+    /// Bytes of an element's start tag, in the text as it is written.
+    fn start_tag(&self, text: &str, node: &Node<'_, '_>) -> std::ops::Range<usize> {
+        let range = node.range();
+        let whole = &text[range.clone()];
+        let end = whole.find('>').map_or(whole.len(), |end| end + 1);
+        self.original(range.start)..self.original(range.start + end)
+    }
+}
+
+fn parse(text: &str) -> Result<roxmltree::Document<'_>, roxmltree::Error> {
+    let options = ParsingOptions {
+        allow_dtd: false,
+        nodes_limit: MAX_ELEMENTS,
+        ..ParsingOptions::default()
+    };
+    roxmltree::Document::parse_with_options(text, options)
+}
+
+/// A text with the prefixes of its names declared, and where: MaterialX's namespaces are none of XML's, and many files don't say
+/// what `xi:` is.
+fn with_prefixes(text: &str) -> (String, usize) {
+    const ROOT: &str = "<materialx";
+    let mut whole = text.to_owned();
+    let Some(at) = text.find(ROOT).map(|at| at + ROOT.len()) else {
+        return (whole, text.len());
+    };
+    for _ in 0..MAX_PREFIXES {
+        let Err(roxmltree::Error::UnknownNamespace(prefix, _)) = parse(&whole) else {
+            break;
+        };
+        whole.insert_str(at, &format!(" xmlns:{prefix}=\"{prefix}\""));
+    }
+    (whole, at)
+}
+
+/// The name of an element, with the prefix of MaterialX's namespace where it has one.
+fn kind(node: &Node<'_, '_>) -> String {
+    let name = node.tag_name().name();
+    let prefix = |node: &Node<'_, '_>| {
+        let space = node.tag_name().namespace()?;
+        node.lookup_prefix(space).map(str::to_owned)
+    };
+    match prefix(node) {
+        Some(given) if prefix(&node.document().root_element()).as_ref() != Some(&given) => {
+            format!("{given}:{name}")
+        }
+        _ => name.to_owned(),
+    }
 }
 
 /// Where a tag ends, which begins a text: values of attributes may contain `>`.

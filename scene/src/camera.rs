@@ -5,7 +5,7 @@ use glam::{Affine3A, Mat3A, Vec3, Vec3A};
 use crate::Scene;
 
 /// A camera in the world. It looks along its local -Z, +Y is up.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Camera {
     /// Name of the camera or of its node.
     pub name: String,

@@ -155,11 +155,23 @@ fn plan(job: &ExportJob) -> Result<Plan, Failure> {
     let film = |samples: &Range<u32>| {
         // Zeros in front, so that a listing is in order.
         let digits = job.spp.to_string().len();
-        let name = format!(
-            "{:0digits$}-{:0digits$}.{FILM_EXTENSION}",
-            samples.start, samples.end
-        );
-        folder.join(name)
+        let named = |again: &str| {
+            folder.join(format!(
+                "{:0digits$}-{:0digits$}{again}.{FILM_EXTENSION}",
+                samples.start, samples.end
+            ))
+        };
+        let mut film = named("");
+        // A file that is there has none of what is missing: it is damaged, or was ended early. A part of this name would be taken for done.
+        let mut number = 1;
+        while job.missing_only && film.exists() {
+            film = match number {
+                1 => named("-again"),
+                _ => named(&format!("-again{number}")),
+            };
+            number += 1;
+        }
+        film
     };
     let mut films = Vec::new();
     let mut wanted = Samples::from([Range {
@@ -249,7 +261,10 @@ fn films_in(folder: &Path) -> Result<Vec<(PathBuf, Samples)>, Failure> {
                 "{} was ended early: its samples are rendered again",
                 path.display()
             )),
-            Err(error) => console::warning(&format!("{}: {error}", path.display())),
+            Err(error) => console::warning(&format!(
+                "{}: {error}; its samples are rendered again",
+                path.display()
+            )),
         }
     }
     found.sort_by(|(a, _), (b, _)| a.cmp(b));

@@ -149,7 +149,10 @@ pub(super) struct Writer<'a> {
     origin: Origin,
     first_sample: u32,
     last: Instant,
-    writing: Option<JoinHandle<()>>,
+    /// Returns what went wrong.
+    writing: Option<JoinHandle<Vec<String>>>,
+    /// What went wrong with the last one, of which the user knows: a disk that is full is full at the next one, too.
+    told: Vec<String>,
 }
 
 impl<'a> Writer<'a> {
@@ -177,6 +180,7 @@ impl<'a> Writer<'a> {
             first_sample: job.first_sample,
             last: Instant::now(),
             writing: None,
+            told: Vec::new(),
         }
     }
 
@@ -204,10 +208,12 @@ impl<'a> Writer<'a> {
         let (path, pictures) = (self.checkpoints.path.clone(), self.pictures.clone());
         let (layers, view, transparent) = (self.layers.clone(), self.view, self.transparent);
         let form = self.form.clone();
+        let told = self.told.clone();
         let work = move || {
+            let mut failed = Vec::new();
             let written = output::write_aside(&path, |file| part.write(file));
             if let Err(error) = written {
-                console::warning(&format!("no checkpoint: {error}"));
+                tell(&mut failed, &told, format!("no checkpoint: {error}"));
             }
             // Pictures of less than a sample would have holes.
             let content = Content {
@@ -220,9 +226,10 @@ impl<'a> Writer<'a> {
             for picture in pictures.pictures.iter().filter(|_| fewest > 0) {
                 let written = output::write(picture, content, Some(&part.origin), &view);
                 if let Err(error) = written {
-                    console::warning(&error.to_string());
+                    tell(&mut failed, &told, error.to_string());
                 }
             }
+            failed
         };
         match std::thread::Builder::new()
             .name("checkpoint".to_owned())
@@ -230,7 +237,9 @@ impl<'a> Writer<'a> {
         {
             Ok(thread) => self.writing = Some(thread),
             Err(error) => {
-                console::warning(&format!("no checkpoint: no thread can be started: {error}"))
+                let told = std::mem::take(&mut self.told);
+                let text = format!("no checkpoint: no thread can be started: {error}");
+                tell(&mut self.told, &told, text);
             }
         }
     }
@@ -239,9 +248,17 @@ impl<'a> Writer<'a> {
     pub(super) fn finish(&mut self) {
         if let Some(writing) = self.writing.take() {
             // It has said itself what went wrong.
-            let _ = writing.join();
+            self.told = writing.join().unwrap_or_default();
         }
     }
+}
+
+/// Notes what went wrong with a checkpoint, and warns of it unless that has been told of the one before.
+fn tell(failed: &mut Vec<String>, told: &[String], text: String) {
+    if !told.contains(&text) {
+        console::warning(&text);
+    }
+    failed.push(text);
 }
 
 impl Drop for Writer<'_> {

@@ -66,14 +66,19 @@ pub(super) fn plan(
         Need::of(job, &settings, &loaded.scene, &loaded.procedural, devices)
     };
     let left = memory::left();
-    let fits = |need: &Need| need.check(job.memory, left);
+    let fits = |job: &RenderJob, need: &Need| {
+        let device = gpu.description();
+        let most = device.max_storage_binding.min(device.max_buffer);
+        is_bound([job.width, job.height], &device.name, most)?;
+        need.check(job.memory, left)
+    };
     // What was begun in pieces goes on in them.
     let begun = match job.checkpoints.as_ref().is_some_and(|c| c.resumes) {
         true => Store::division(job)?,
         false => None,
     };
     let whole = need(job);
-    let at_once = is_one_film(job).and_then(|()| fits(&whole));
+    let at_once = is_one_film(job).and_then(|()| fits(job, &whole));
     let refused = match (at_once, begun) {
         (Ok(()), None) => {
             memory::tell(&whole.text(), bar);
@@ -91,18 +96,20 @@ pub(super) fn plan(
             ),
         }));
     }
-    let first = |division: &Division| need(&job.piece(&division.piece(0)));
+    let first = |division: &Division| job.piece(&division.piece(0));
     let division = begun.unwrap_or_else(|| {
         let pixels = match job.method.has_photons() {
             true => PIXELS_WITH_PHOTONS,
             false => PIXELS,
         };
         Division::fitting([job.width, job.height], pixels, |division| {
-            fits(&first(division)).is_ok()
+            let own = first(division);
+            fits(&own, &need(&own)).is_ok()
         })
     });
-    let needed = first(&division);
-    fits(&needed).map_err(|failure| Failure::Failed(format!("{failure}, in {division}")))?;
+    let own = first(&division);
+    let needed = need(&own);
+    fits(&own, &needed).map_err(|failure| Failure::Failed(format!("{failure}, in {division}")))?;
     memory::tell(&format!("{}, in {division}", needed.text()), bar);
     Ok(Some(division))
 }
@@ -118,6 +125,24 @@ pub(super) fn is_one_film(job: &RenderJob) -> Result<(), Failure> {
             "{pixels} pixels are more than the {MAX_PIXELS} that are rendered at once"
         ))),
         false => Ok(()),
+    }
+}
+
+/// Bytes of a pixel in each of the buffers that hold a film on a device.
+const BUFFER_PIXEL: u64 = 16;
+
+/// Whether a film of so many columns and rows can be bound by a device, which binds so many bytes of a buffer at most.
+///
+/// # Errors
+/// It can't.
+fn is_bound(size: [u32; 2], device: &str, most: u64) -> Result<(), Failure> {
+    let pixels: u64 = size.map(u64::from).iter().product();
+    match pixels.saturating_mul(BUFFER_PIXEL) {
+        bytes if bytes > most => Err(Failure::Failed(format!(
+            "each buffer of the picture takes {bytes} bytes, but {device} binds at most {most}: \
+             render a part (--crop) or a smaller picture (--scale)"
+        ))),
+        _ => Ok(()),
     }
 }
 
@@ -574,5 +599,29 @@ impl Found {
         if !is_of_time || matches!(ended, Some(Ended::Interrupted)) {
             self.ended = ended.or(self.ended.take());
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_film_that_a_device_does_not_bind_is_refused_before_it_is_made() {
+        let said = |size| match is_bound(size, "A", 128 << 20) {
+            Ok(()) => String::new(),
+            Err(failure) => failure.to_string(),
+        };
+        assert_eq!(said([4096, 2048]), "");
+        let refused = said([4200, 3000]);
+        for word in ["201600000 bytes", "A binds at most 134217728"] {
+            assert!(refused.contains(word), "{refused}");
+        }
+        // Nor does it fit in pieces that are too large.
+        let division = Division::fitting([16384, 4096], 1 << 26, |division| {
+            let piece = division.piece(0);
+            is_bound([piece.width, piece.rows], "A", 128 << 20).is_ok()
+        });
+        assert_eq!(division.to_string(), "8 pieces of 16384x512");
     }
 }

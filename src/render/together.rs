@@ -174,8 +174,8 @@ fn run(
                 return Err(Failure::Failed(reason));
             }
             let had = format!(
-                "{reason}\nevery pixel has at least {lowest} of {} samples",
-                job.spp
+                "{reason}\nevery pixel has at least {}",
+                job.samples_told(lowest)
             );
             Some(Ended::Failed(had))
         }

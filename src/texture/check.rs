@@ -61,7 +61,8 @@ fn all(sources: &TextureSources) -> Vec<Read> {
 fn find(given: &Path, sources: &TextureSources) -> Result<Vec<Read>, Failure> {
     if given.is_dir() {
         let folder = TextureSources::scan(&[given]).map_err(Failure::because)?;
-        return Ok(all(&folder));
+        let paths = folder.names().filter_map(|name| folder.path(name));
+        return Ok(paths.map(open).collect());
     }
     let name = given.to_string_lossy();
     if !given.exists() && sources.names().any(|known| known == name) {
@@ -69,9 +70,19 @@ fn find(given: &Path, sources: &TextureSources) -> Result<Vec<Read>, Failure> {
     }
     let is_path = given.exists() || given.extension().is_some() || given.components().count() > 1;
     Ok(vec![match is_path {
-        true => TextureSources::open(given).map_err(super::unreadable),
+        true => open(given),
         false => Err(super::unknown(sources, &name)),
     }])
+}
+
+/// A texture's file; one that textures share is checked as they use it.
+fn open(path: &Path) -> Read {
+    let file = TextureSources::open(path).map_err(super::unreadable)?;
+    let is_texture = file.text().contains("fn userProc");
+    match TextureSources::user_of(path).filter(|_| !is_texture) {
+        Some(user) => user.map_err(super::unreadable),
+        None => Ok(file),
+    }
 }
 
 fn problems(file: &Read) -> Diagnostics {

@@ -4,6 +4,7 @@ use device::Device;
 use engine::evaluate::{EvaluateError, Evaluator, Point};
 use engine::isolated::{Isolated, Subject};
 use engine::scene::look::Look;
+use texgen::Diagnostic;
 
 use crate::console;
 use crate::failure::Failure;
@@ -48,12 +49,25 @@ pub(crate) fn run(job: &EvalJob) -> Result<(), Failure> {
         (values.iter()).fold(point, |point, (name, value)| point.with(name, value))
     };
     let points: Vec<Point> = job.points.iter().map(point).collect();
-    let values = Evaluator::new(&device, isolated).evaluate(&points)?;
+    let evaluated = Evaluator::new(&device, isolated).evaluate(&points);
+    let values = evaluated.map_err(|error| of_target(error, &job.target))?;
     bar.finish();
     for value in values {
         console::print(&line(&value[..components]));
     }
     Ok(())
+}
+
+/// Where a node of a look needs too much at once, with its place.
+fn of_target(error: EvaluateError, target: &TargetJob) -> Failure {
+    match (&error, &target.look) {
+        (EvaluateError::TooManySlots { .. }, Some(look)) => {
+            let message = format!("node `{}` of {}: {error}", target.name, look.display());
+            let note = "use fewer nodes that are read again far behind, or combine them earlier";
+            Diagnostic::error(message).with_note(note).into()
+        }
+        _ => error.into(),
+    }
 }
 
 fn line(value: &[f32]) -> String {

@@ -17,6 +17,7 @@ use engine::scene::look::Look;
 use engine::session::{Inputs, Opening, Session};
 use engine::stats::Doubt;
 use engine::system::System;
+use texgen::{Diagnostic, Diagnostics};
 
 use crate::failure::Failure;
 use crate::output;
@@ -50,6 +51,7 @@ pub(crate) fn run(job: &WatchJob) -> Result<(), Failure> {
     let bar = Arc::new(Bar::of_compiling());
     let mut session = open(job, &bar)?;
     console::diagnostics(session.warnings());
+    let mut warned = session.warnings().clone();
     let mut watcher = Watcher::new(
         &session.files(),
         job.look.as_deref(),
@@ -93,6 +95,7 @@ pub(crate) fn run(job: &WatchJob) -> Result<(), Failure> {
             // A file that isn't there mends them when it comes.
             watcher.set_files(&session.files(), job.look.as_deref());
         }
+        tell_warnings(&session, &mut warned);
         let target = update.next.min(job.spp.get());
         let progress = session.step(target)?;
         is_written &= update.next > job.spp.get();
@@ -268,6 +271,21 @@ fn tell_doubts(
     let new: Vec<_> = doubts.into_iter().filter(|d| !holds(told, d)).collect();
     told.extend(new);
     Ok(())
+}
+
+/// Says what is odd about what is shown, as far as that is new.
+fn tell_warnings(session: &Session, told: &mut Diagnostics) {
+    let warnings = session.warnings();
+    if session.is_building() || warnings == told {
+        return;
+    }
+    let known: Vec<String> = told.iter().map(Diagnostic::render).collect();
+    let is_new = |warning: &&Diagnostic| !known.contains(&warning.render());
+    let new: Diagnostics = warnings.iter().filter(is_new).cloned().collect();
+    if !new.is_empty() {
+        console::diagnostics(&new);
+    }
+    *told = warnings.clone();
 }
 
 /// Says what is wrong when that has changed; whether something is.

@@ -25,6 +25,14 @@ fn lists_of_devices_are_checked_before_anything_is_rendered() {
 }
 
 #[test]
+fn a_part_of_the_name_means_the_processor_too() {
+    let bench = Bench::new();
+    let line = "render triangle.gltf --size 8x8 --spp 1 --device Nativ -o a.png";
+    let said = bench.run(line).expect_code(0).stdout;
+    assert!(said.contains(" on native "), "{said}");
+}
+
+#[test]
 fn two_processors_write_the_film_of_one() {
     let bench = Bench::new();
     let render = |flags: &str| {

@@ -2,7 +2,7 @@
 
 use std::process::{Child, Stdio};
 use std::thread::sleep;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use super::*;
 
@@ -96,6 +96,30 @@ fn no_picture_takes_the_place_of_a_former_one_without_a_sample() {
         if !is_former {
             return; // it had samples
         }
+    }
+}
+
+/// The first piece never is done here; whether it has samples when the signal comes is a matter of moments.
+#[test]
+fn no_folder_stays_in_which_no_piece_is() {
+    if !device() {
+        return;
+    }
+    let bench = Bench::new();
+    // Too large to be rendered at once.
+    let line = "render triangle.gltf --size 8193x8192 --spp 1000000 --checkpoint -o a.png";
+    for pause in [0, 2] {
+        let child = bench.start(line);
+        let folder = bench.path("a.patina-pieces");
+        let start = Instant::now();
+        while !folder.exists() && start.elapsed() < Duration::from_secs(60) {
+            sleep(Duration::from_millis(1));
+        }
+        assert!(folder.exists(), "it doesn't begin");
+        sleep(Duration::from_secs(pause));
+        signal(&child, "-INT");
+        outcome(child, line).expect_code(130);
+        assert_eq!(bench.files(), ["triangle.gltf"]);
     }
 }
 

@@ -235,6 +235,38 @@ fn a_merge_is_of_the_parts_that_there_are() {
     assert!(!words.contains("00-10"), "{words}");
 }
 
+#[cfg(unix)]
+#[test]
+fn a_damaged_film_is_not_taken_for_the_part_that_is_rendered_again() {
+    let bench = Bench::new();
+    let export = |more: &str| {
+        let line = "farm export --to openjd --spp 20 --parts 2 -o job --result a.exr";
+        let said = bench.run(&format!("{line} {more} triangle.gltf"));
+        let said = said.expect_code(0).stderr;
+        let script = |name: &str| {
+            let text = fs::read_to_string(bench.path("job").join(name));
+            text.expect("it is there")
+        };
+        (said, script("part.sh"), script("merge.sh"))
+    };
+    let (_, parts, _) = export("");
+    assert!(parts.contains("/00-10.patina-film"), "{parts}");
+    for (damaged, again) in [("00-10", "00-10-again"), ("00-10-again", "00-10-again2")] {
+        let damaged = format!("{damaged}.patina-film");
+        fs::write(bench.path("job").join(&damaged), "half a film").expect("written");
+        // Who gives the same command again has the same parts.
+        let (_, same, _) = export("");
+        assert!(same == parts, "{same}");
+        let (said, parts, merge) = export("--missing");
+        assert!(said.contains(&damaged), "{said}");
+        for text in [&parts, &merge] {
+            assert!(text.contains(&format!("/{again}.patina-film")), "{text}");
+            assert!(text.contains("/10-20.patina-film"), "{text}");
+            assert!(!text.contains(&format!("/{damaged}")), "{text}");
+        }
+    }
+}
+
 #[test]
 fn parts_are_counted_and_gaps_are_named() {
     if !device() {

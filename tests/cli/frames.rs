@@ -97,6 +97,33 @@ fn frames_are_what_each_is_alone() {
 }
 
 #[test]
+fn no_frame_takes_the_place_of_an_input() {
+    let bench = moving();
+    fs::write(bench.path("sky.0012.png"), "a picture").expect("written");
+    fs::write(bench.path("f.0024.png"), "a picture").expect("written");
+    let look = "environment = { image = \"f.0024.png\" }\n";
+    fs::write(bench.path("a.look.toml"), look).expect("written");
+    let mut scene: Value =
+        serde_json::from_slice(&fs::read(bench.path("moving.gltf")).expect("it is there"))
+            .expect("it is JSON");
+    scene["scenes"][0]["extras"] = json!({ "environment": { "uri": "sky.0012.png" } });
+    fs::write(bench.path("lit.gltf"), scene.to_string()).expect("written");
+    let files = bench.files();
+    for (scene, flags) in [
+        ("moving.gltf", "--environment sky.0012.png -o sky.png"),
+        ("moving.gltf", "--look a.look.toml -o f.png"),
+        ("lit.gltf", "-o sky.png"),
+        ("lit.gltf", "--look a.look.toml -o sky.png"),
+    ] {
+        let line = SMALL.replace("moving.gltf", scene);
+        bench
+            .run(&format!("{line} --frames 0..36:12 {flags}"))
+            .expect_error(2, "is an input");
+        assert_eq!(bench.files(), files, "{flags}: a frame was rendered before");
+    }
+}
+
+#[test]
 fn motion_is_a_layer_of_what_moves() {
     let bench = moving();
     let render = format!("{SMALL} --layers vector --animation Slide");

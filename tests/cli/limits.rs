@@ -25,13 +25,14 @@ fn noise_and_time_end_a_render_and_say_so() {
         "{}",
         ended.stdout
     );
-    let line = "render triangle.gltf --look sky.look.toml --size 512x512 --time 2s -o b.png";
-    let ended = bench.run(line).expect_code(0);
-    assert!(
-        ended.stdout.contains("ended by --time 2s"),
-        "{}",
-        ended.stdout
-    );
+    let line = "render triangle.gltf --look sky.look.toml --size 512x512 --time 2s -o b.png --stats --stats-json b.json";
+    let said = bench.run(line).expect_code(0).stdout;
+    assert!(said.contains("ended by --time 2s"), "{said}");
+    // Nobody has asked for the most samples that there may be.
+    assert!(!said.contains("1048576"), "{said}");
+    let stats = fs::read_to_string(bench.path("b.json")).expect("written");
+    let stats: serde_json::Value = serde_json::from_str(&stats).expect("JSON");
+    assert_eq!(stats["samples_per_pixel"], serde_json::Value::Null);
     let line = "render triangle.gltf --size 16x16 --spp 4 --noise 1e-9 -o c.png";
     let ended = bench.run(line).expect_code(0);
     assert!(ended.stdout.contains("after 4 samples"), "{}", ended.stdout);
@@ -75,6 +76,11 @@ fn time_leaves_no_pixel_without_a_sample() {
         assert!(said.contains("ended by --time"), "{flags}: {said}");
         assert!(!said.contains("after 0 samples"), "{flags}: {said}");
     }
+    // Threads that take several samples of a pixel at once begin with one of each, and it suffices.
+    let small = scene.replace("1024x1024", "64x64");
+    let line = format!("{small} --spp 4096 --time 0.000001s --device native -o c.png");
+    let said = bench.run(&line).expect_code(0).stdout;
+    assert!(said.contains("after 1 samples per pixel"), "{said}");
     // A round of all pixels takes too long to be waited for.
     let line = format!("{scene} --spp 256 --adaptive --time 0.000001s -o b.png");
     let warned = bench.run(&line).expect_code(0).stderr;
@@ -490,6 +496,13 @@ fn what_was_kept_is_gone_on_with_where_it_fits() {
         ended.stdout
     );
     assert!(fs::read(bench.path("c.patina-film")).expect("it is there") == whole);
+    // So does one whose ending is written in other letters.
+    let film = "-o e.PATINA-FILM";
+    bench.run(&format!("{line} --spp 8 {film}")).expect_code(0);
+    let ended = bench.run(&format!("{line} --spp 24 --resume {film}"));
+    let said = ended.expect_code(0).stdout;
+    assert!(said.contains("resumed e.PATINA-FILM: 8 samples"), "{said}");
+    assert!(fs::read(bench.path("e.PATINA-FILM")).expect("it is there") == whole);
     // The checkpoint of a picture has its name, and stays.
     bench
         .run(&format!("{line} --spp 8 --checkpoint --refresh -o d.png"))

@@ -117,6 +117,31 @@ fn what_one_device_keeps_alone_is_named_as_it_was_asked_for() {
 
 #[cfg(unix)]
 #[test]
+fn a_file_that_is_too_large_for_a_limit_costs_no_other() {
+    if !device() {
+        return;
+    }
+    let bench = Bench::new();
+    // 96 KiB of numbers; the limit is 20 or 40 KiB.
+    let line =
+        "render triangle.gltf --size 128x128 --spp 1 --exr-compression none -o a.exr -o a.png";
+    let mut limited = Command::new("sh");
+    limited
+        .args(["-c", "ulimit -f 40; exec \"$0\" \"$@\""])
+        .arg(env!("CARGO_BIN_EXE_patina"))
+        .args(line.split(' '))
+        .current_dir(&bench.dir)
+        .env("PATINA_CACHE", "off")
+        .env("TMPDIR", bench.dir.path())
+        .stdin(Stdio::null());
+    let ended = Outcome::of(limited.output().expect("sh starts"), line);
+    ended.expect_error(1, "a.exr");
+    image::open(bench.path("a.png")).expect("a picture");
+    assert!(!bench.path("a.exr").exists());
+}
+
+#[cfg(unix)]
+#[test]
 fn samples_are_kept_where_the_picture_can_not_be_written() {
     if !device() {
         return;
@@ -124,7 +149,7 @@ fn samples_are_kept_where_the_picture_can_not_be_written() {
     for seconds in [3, 10, 40] {
         let bench = Bench::new();
         fs::create_dir(bench.path("out")).expect("a folder");
-        let line = "render triangle.gltf --size 64x64 --spp 1000000 -o out/a.png";
+        let line = "render triangle.gltf --size 64x64 --spp 1000000 --checkpoint=0.05 -o out/a.png";
         let child = bench
             .command(line)
             .env("TMPDIR", bench.dir.path())
@@ -133,8 +158,9 @@ fn samples_are_kept_where_the_picture_can_not_be_written() {
             .spawn()
             .expect("patina starts");
         std::thread::sleep(std::time::Duration::from_secs(seconds));
-        // A file in its place, so that it isn't made anew.
-        fs::remove_dir_all(bench.path("out")).expect("removed");
+        // At once, whatever is being written there.
+        fs::rename(bench.path("out"), bench.path("gone")).expect("renamed");
+        std::thread::sleep(std::time::Duration::from_millis(500));
         let is_sent = kill(&["-INT", &child.id().to_string()]);
         assert!(is_sent, "it still runs");
         let ended = Outcome::of(child.wait_with_output().expect("it ends"), line);
@@ -142,6 +168,9 @@ fn samples_are_kept_where_the_picture_can_not_be_written() {
             continue;
         }
         let ended = ended.expect_error(1, "patina merge ");
+        // The first one that can't be written may fail otherwise than those after it, which are all alike.
+        let told = ended.stderr.matches("no checkpoint").count();
+        assert!((1..=2).contains(&told), "{}", ended.stderr);
         assert!(
             bench.path("a.kept.patina-film").exists(),
             "{}",

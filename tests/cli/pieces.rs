@@ -90,6 +90,50 @@ fn pictures_in_pieces_are_those_rendered_at_once() {
     }
 }
 
+#[test]
+fn what_a_picture_is_judged_by_is_counted() {
+    if !device() {
+        return;
+    }
+    let bench = sky();
+    let said = |flags: &str| {
+        // A JPEG file isn't written in pieces.
+        let line = "render triangle.gltf --look sky.look.toml --size 1000x1000 --spp 1 --memory 1K -o a.jpg";
+        let refused = bench.run(&format!("{line} {flags}"));
+        refused.expect_error(1, "more than --memory").stderr
+    };
+    let copies = |method: &str| {
+        let said = said(&format!("--device native --method {method}"));
+        let (before, _) = (said.split_once(" MiB for files")).expect("it is told");
+        let word = before.rsplit_once(' ').map(|(_, word)| word.parse::<u32>());
+        word.and_then(Result::ok).expect("a number")
+    };
+    // Two films of 80 bytes a pixel, in which nothing is written meanwhile.
+    let (path, draft) = (copies("path"), copies("draft"));
+    assert!((path + 100..path + 160).contains(&draft), "{path}, {draft}");
+    // One of several devices has a renderer for it.
+    let several = "--device native:1,native:1 --method";
+    let films =
+        |said: &str| [77, 153].map(|film| said.matches(&format!("film {film} MiB")).count());
+    assert_eq!(films(&said(&format!("{several} path"))), [2, 0]);
+    assert_eq!(films(&said(&format!("{several} draft"))), [1, 1]);
+}
+
+#[test]
+fn a_picture_that_a_device_does_not_bind_is_refused_before_it_is_rendered() {
+    let bench = Bench::new();
+    let list = bench.run("devices").stdout;
+    if !list.contains("llvmpipe") || !list.contains("128.0 MiB per storage binding") {
+        eprintln!("skipped: no device with small bindings");
+        return;
+    }
+    let line = "render triangle.gltf --device llvmpipe --size 4200x3000 --spp 1 -o a.jpg";
+    let refused = bench.run(line).expect_error(1, "201600000 bytes");
+    for word in ["can't be rendered in pieces", "JPEG"] {
+        assert!(refused.stderr.contains(word), "{}", refused.stderr);
+    }
+}
+
 /// Renders `a.exr` in pieces, and ends that from outside.
 fn kill_after_two_pieces(bench: &Bench, line: &str) {
     let mut killed = bench.command(line).spawn().expect("patina starts");

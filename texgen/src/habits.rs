@@ -101,7 +101,7 @@ pub(crate) fn instead_of(word: &str) -> Option<String> {
             "the standard functions have `perlin3D`, `simplex3D`, `fbm3D`, `voronoi3D` and others; or link a node of `fbm` or `voronoi` to a parameter"
         }
         "rand" | "random" | "hash" => {
-            "WGSL has no random numbers: hash what you have, as `user_textures/voronoi.wgsl` does, or use `readAttr(ObjectRandom)`"
+            "the standard functions have `randomOf(vec4f)`, `random3to1(vec3u)` and others; or use `readAttr(ObjectRandom)`"
         }
         "iTime" | "time" | "u_time" => "write `readGlobal(Time).x`",
         "iResolution" | "u_resolution" => "write `readGlobal(Resolution).xy`",
@@ -186,7 +186,7 @@ impl<'a> Reader<'_, 'a> {
             "include" => self.error(
                 at..end,
                 "a texture can't include other files".into(),
-                "paste the functions that you need; a texture's file holds all that it uses",
+                "put it into `lib/NAME.wgsl` beside the texture and write `/// @use NAME`, or paste the functions that you need",
             ),
             "define" if self.word(at + 3) == "(" => self.error(
                 at..end,

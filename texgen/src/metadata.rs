@@ -124,6 +124,8 @@ pub(crate) fn read_docs(
         }
     }
     misplaced(file, outline, parameters, &described, problems);
+    misplaced_output(whole, outline, outputs, problems);
+    two_slashes(file, outline, parameters, &described, problems);
     signature::warn_of_keys(file, outline, problems);
     docs.trim().to_owned()
 }
@@ -197,6 +199,81 @@ fn misplaced(
                 .with_note("move the description down, right above `fn userProc`"),
         );
     }
+}
+
+/// Warns of a description of an output that stands above something else, such as the struct.
+fn misplaced_output(
+    whole: &Whole,
+    outline: &Outline<'_>,
+    outputs: &[NamedOutput],
+    problems: &mut Diagnostics,
+) {
+    let read: Vec<usize> = doc_lines(outline).iter().map(|line| line.start).collect();
+    let own = outline.tokens.comments.iter();
+    for comment in own.take_while(|comment| comment.start < whole.own_len()) {
+        let Some(rest) = comment.text.strip_prefix("///") else {
+            continue;
+        };
+        let name = rest.trim_start().strip_prefix("@output ");
+        let name = name.and_then(|rest| rest.split_whitespace().next());
+        let is_output = name.is_some_and(|name| outputs.iter().any(|output| output.name == name));
+        if is_output && !read.contains(&(comment.start + 3)) {
+            let span = comment.start..comment.start + comment.text.trim_end().len();
+            problems.push(
+                Diagnostic::warning("this describes an output of `userProc`, but stands elsewhere")
+                    .with_label(&whole.file, span, "is ignored")
+                    .with_note("move it right above `fn userProc`"),
+            );
+        }
+    }
+}
+
+/// What stands behind the key in a comment of two slashes, and where the comment lies.
+fn behind_two_slashes<'a>(
+    outline: &Outline<'a>,
+    key: &'static str,
+) -> impl Iterator<Item = (&'a str, Range<usize>)> {
+    let comments = outline.tokens.comments.clone().into_iter();
+    comments.filter_map(move |comment| {
+        let text = comment.text.strip_prefix("//")?.trim_start();
+        let rest = text.strip_prefix(key)?;
+        Some((
+            rest,
+            comment.start..comment.start + comment.text.trim_end().len(),
+        ))
+    })
+}
+
+fn of_two_slashes(file: &SourceFile, span: Range<usize>, key: &str) -> Diagnostic {
+    let key = key.trim();
+    Diagnostic::warning(format!("this `{key}` is not read: it has two slashes"))
+        .with_label(file, span, "")
+        .with_note(format!("write `/// {key} ...`"))
+}
+
+/// Warns of a parameter that is described in a comment of two slashes only.
+fn two_slashes(
+    file: &SourceFile,
+    outline: &Outline<'_>,
+    parameters: &[Parameter],
+    described: &[String],
+    problems: &mut Diagnostics,
+) {
+    for (rest, span) in behind_two_slashes(outline, "@param ") {
+        let name = rest.split_whitespace().next().unwrap_or_default();
+        let is_parameter = parameters.iter().any(|parameter| parameter.name == name);
+        if is_parameter && !described.iter().any(|known| known == name) {
+            problems.push(of_two_slashes(file, span, "@param "));
+        }
+    }
+}
+
+/// Warnings of shared files that are named in comments of two slashes: what they declare isn't there.
+pub(crate) fn used_by_two_slashes(file: &SourceFile, outline: &Outline<'_>) -> Diagnostics {
+    let found = behind_two_slashes(outline, "@use ");
+    found
+        .map(|(_, span)| of_two_slashes(file, span, "@use "))
+        .collect()
 }
 
 /// Documentation lines: `//!` anywhere, and the `///` and `/** */` comments right above `userProc`.
@@ -431,15 +508,20 @@ impl<'a> ParamLine<'a> {
             .and_then(|literal| to_value(&literal, parameter.ty, interpolation));
         match value {
             Ok(value) => parameter.default = Some(value),
-            Err(problem) => problems.push(
-                Diagnostic::error(format!("the default of `{}` {problem}", parameter.name))
-                    .with_label(self.file, span, "")
-                    .with_note(format!(
-                        "a default of type {} looks like `= {}`",
-                        parameter.ty,
-                        example(parameter.ty)
-                    )),
-            ),
+            Err(problem) => {
+                let note = match parameter.ty {
+                    ParameterType::Image => {
+                        "images have no defaults: leave it out, and set the image in the look file"
+                            .to_owned()
+                    }
+                    ty => format!("a default of type {ty} looks like `= {}`", example(ty)),
+                };
+                problems.push(
+                    Diagnostic::error(format!("the default of `{}` {problem}", parameter.name))
+                        .with_label(self.file, span, "")
+                        .with_note(note),
+                );
+            }
         }
     }
 }
@@ -470,9 +552,7 @@ fn example(ty: ParameterType) -> String {
         ParameterType::Vec4 => "(1, 0.5, 0, 1)` or `= #ff8000".into(),
         ParameterType::Mat3 => "((1, 0, 0), (0, 1, 0), (0, 0, 1))".into(),
         ParameterType::Mat4 => "((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1))".into(),
-        ParameterType::Image => {
-            "...` is not possible: leave it out, and set the image in the look file; `".into()
-        }
+        ParameterType::Image => "...".into(),
         ParameterType::Ramp => "[(0, #000000), (1, #ffffff)]".into(),
         ParameterType::Array(element, count) => {
             format!(

@@ -4,7 +4,7 @@ mod plain;
 
 use std::ops::Range;
 
-use plain::in_plain_words;
+use plain::{in_plain_words, of_literals, of_vector_and_number, type_in};
 
 use crate::diagnostic::{Diagnostic, SourceFile};
 use crate::scope::{GlobalKind, Outline};
@@ -109,8 +109,16 @@ impl Problem {
             .first()
             .is_some_and(|(span, _)| span.start >= length);
         let lacks_semicolon = self.lacks_semicolon();
-        let (mut message, remedy) =
-            in_plain_words(&self.message).unwrap_or_else(|| (in_user_terms(&self.message), None));
+        let of_arguments = of_vector_and_number(&self.message, &self.labels, outline.text);
+        let is_of_arguments = of_arguments.is_some();
+        let first = self.labels.first().filter(|_| self.is_of_mixture());
+        let special =
+            of_arguments.or_else(|| first.and_then(|(span, _)| of_literals(outline, span)));
+        let (mut message, remedy) = match special {
+            Some((message, remedy)) => (message, Some(remedy)),
+            None => in_plain_words(&self.message)
+                .unwrap_or_else(|| (in_user_terms(&self.message), None)),
+        };
         if ended {
             // naga read on into the prelude: it wanted more of the file.
             message = match expected(&self.message) {
@@ -147,7 +155,11 @@ impl Problem {
             if let Some(function) = whole {
                 span = outline.span(function.name);
             }
-            let mut text = plain_message(&text);
+            let mut text = match type_in(&text).filter(|_| is_of_arguments) {
+                Some(ty) if ty.starts_with("vec") => "a vector".to_owned(),
+                Some(_) => "a number".to_owned(),
+                None => plain_message(&text),
+            };
             if index == 0 && lacks_semicolon && !ended {
                 // It is missing where the statement ends, not where the next one begins.
                 let before = outline.tokens.tokens.iter();
@@ -163,6 +175,8 @@ impl Problem {
         }
         let notes = match parameter_to_copy(&found, outline) {
             Some(note) => vec![note],
+            // They speak of one of the arguments only.
+            None if is_of_arguments => Vec::new(),
             None => plain_notes(&self.notes),
         };
         for note in notes.into_iter().chain(remedy) {

@@ -103,6 +103,60 @@ pub(crate) fn too_deep(file: &SourceFile, outline: &Outline<'_>) -> Option<Diagn
     })
 }
 
+/// Characters that look like one of WGSL's and come with text from elsewhere, what they are, and what is meant.
+const STRANGE: [(char, &str, &str); 21] = [
+    ('\u{2212}', "a minus sign", "-"),
+    ('\u{2010}', "a hyphen", "-"),
+    ('\u{2011}', "a non-breaking hyphen", "-"),
+    ('\u{2013}', "an en dash", "-"),
+    ('\u{2014}', "an em dash", "-"),
+    ('\u{d7}', "a multiplication sign", "*"),
+    ('\u{f7}', "a division sign", "/"),
+    ('\u{2264}', "a sign for less or equal", "<="),
+    ('\u{2265}', "a sign for greater or equal", ">="),
+    ('\u{2260}', "a sign for unequal", "!="),
+    ('\u{ff08}', "a wide bracket", "("),
+    ('\u{ff09}', "a wide bracket", ")"),
+    ('\u{ff0c}', "a wide comma", ","),
+    ('\u{ff1b}', "a wide semicolon", ";"),
+    ('\u{201c}', "a quotation mark", ""),
+    ('\u{201d}', "a quotation mark", ""),
+    ('\u{200b}', "a space without width", ""),
+    ('\u{feff}', "a byte-order mark", ""),
+    ('\u{a0}', "a no-break space", " "),
+    ('\u{202f}', "a no-break space", " "),
+    ('\u{3000}', "a wide space", " "),
+];
+
+/// Characters outside of comments that only look like WGSL: naga would say what it had expected in their places.
+pub(crate) fn strange_characters(file: &SourceFile, outline: &Outline<'_>) -> Diagnostics {
+    let words = outline
+        .tokens
+        .tokens
+        .iter()
+        .filter(|token| token.kind == TokenKind::Word);
+    let characters = words.flat_map(|token| {
+        let inside = token.text.char_indices().filter(|(_, c)| !c.is_ascii());
+        inside.map(move |(at, c)| (token.start + at, c))
+    });
+    let found = characters.filter_map(|(at, c)| {
+        let (_, name, meant) = STRANGE.iter().find(|(strange, ..)| *strange == c)?;
+        let code = u32::from(c);
+        let note = match *meant {
+            "" => "remove it".to_owned(),
+            " " => "write a blank".to_owned(),
+            meant => format!("write `{meant}`"),
+        };
+        let error = Diagnostic::error(format!("{name} (U+{code:04X}) is no character of WGSL"));
+        Some(
+            error
+                .with_label(file, at..at + c.len_utf8(), "")
+                .with_note(note),
+        )
+    });
+    found.collect()
+}
+
 /// What is in a bracket, or in none, as far as it has been read: how deep a compiler recurses along it.
 #[derive(Clone, Copy, Default)]
 struct Depth {
@@ -296,6 +350,8 @@ fn declarations(file: &SourceFile, outline: &Outline<'_>, found: &mut Diagnostic
             ),
             GlobalKind::Var => {
                 let space = if outline.word(global.keyword + 1) == "<" { outline.word(global.keyword + 2) } else { "" };
+                let is_bound = (global.tokens.start..global.keyword).any(|at| outline.word(at) == "@");
+                let space = if space.is_empty() && !is_bound { "private" } else { space };
                 found.push(module_variable(space).with_label(file, keyword.start..outline.span_of(&global.tokens).end, ""));
             }
             GlobalKind::Directive => found.push(

@@ -4,9 +4,10 @@
 use std::collections::BTreeSet;
 use std::ops::Range;
 
+use crate::args;
 use crate::attribute::{Attribute, BuiltinAttribute};
 use crate::reads::{Read, ReadSource};
-use crate::scope::{FunctionDecl, LoopDecl, Outline, Role};
+use crate::scope::{LoopDecl, Outline, Role};
 use crate::standard;
 use crate::value::{ElementType, ParameterType};
 
@@ -80,6 +81,7 @@ pub(crate) fn rewrite(
         outline,
         edits: Vec::new(),
         aliased: BTreeSet::new(),
+        own_arrays: BTreeSet::new(),
     };
     // Guards first: where two insertions meet, the guard stands before the statement.
     let guards_loops = rewriter.loop_guards();
@@ -88,6 +90,7 @@ pub(crate) fn rewrite(
     rewriter.reads(reads);
     rewriter.array_parameters(parameters);
     rewriter.aliases();
+    rewriter.own_array_readers(parameters);
     let mut edits = rewriter.edits;
     edits.sort_by_key(|edit| (edit.span.start, edit.span.end));
     Rewrite {
@@ -101,6 +104,8 @@ struct Rewriter<'o, 'a> {
     edits: Vec<TextEdit>,
     /// Functions whose result type needs a name that no local has, or a short one.
     aliased: BTreeSet<usize>,
+    /// Array parameters that are read as a whole, as a type with names of the file.
+    own_arrays: BTreeSet<usize>,
 }
 
 /// A result type of more bytes than this isn't written into each loop of its function, of which there may be thousands.
@@ -168,7 +173,7 @@ impl Rewriter<'_, '_> {
         let Some(entry) = self.outline.function("userProc") else {
             return;
         };
-        for (param, ty) in entry.params.iter().zip(parameters) {
+        for (place, (param, ty)) in entry.params.iter().zip(parameters).enumerate() {
             let &ParameterType::Array(element, count) = ty else {
                 continue;
             };
@@ -176,6 +181,11 @@ impl Rewriter<'_, '_> {
                 true => "patina_u32",
                 false => "u32",
             };
+            // To the compiler an array of a type by another name is another array.
+            let has_names = param
+                .ty
+                .clone()
+                .any(|at| self.outline.roles[at] == Role::Global);
             let ty = self.outline.span_of(&param.ty);
             self.edits
                 .retain(|edit| !(ty.start <= edit.span.start && edit.span.end <= ty.end));
@@ -193,10 +203,17 @@ impl Rewriter<'_, '_> {
                     self.replace(self.outline.span(at + 1), format!(", {count}u, {word}("));
                     self.replace(self.outline.span(self.outline.closing(at + 1)), "))");
                 } else {
-                    self.replace(
-                        name.start..name.start,
-                        format!("{}(", array_reader(element, count)),
-                    );
+                    let reader = match has_names {
+                        true => {
+                            self.own_arrays.insert(place);
+                            vec![Piece::Prefix, Piece::Text(own_array_reader(place) + "(")]
+                        }
+                        false => vec![Piece::Text(array_reader(element, count) + "(")],
+                    };
+                    self.edits.push(TextEdit {
+                        span: name.start..name.start,
+                        pieces: reader,
+                    });
                     self.replace(name.end..name.end, ")");
                 }
             }
@@ -257,15 +274,19 @@ impl Rewriter<'_, '_> {
             self.aliased.insert(index);
             pieces.extend([Piece::Prefix, Piece::Text(alias_name(index))]);
         } else {
-            pieces.extend(self.result_type(function));
+            pieces.extend(self.module_type(&function.result));
         }
         pieces.push(Piece::Text("();".into()));
         pieces
     }
 
-    fn result_type(&self, function: &FunctionDecl) -> Vec<Piece> {
+    /// A type as it is written at module scope. Blanks stay where there are some: `- -1` is no `--1`.
+    fn module_type(&self, tokens: &Range<usize>) -> Vec<Piece> {
         let mut pieces = Vec::new();
-        for at in function.result.clone() {
+        for at in tokens.clone() {
+            if at > tokens.start && self.outline.span(at - 1).end < self.outline.span(at).start {
+                pieces.push(Piece::Text(" ".into()));
+            }
             if self.outline.roles[at] == Role::Global {
                 pieces.push(Piece::Prefix);
             } else if self.is_standard(at) {
@@ -285,8 +306,37 @@ impl Rewriter<'_, '_> {
                 Piece::Prefix,
                 Piece::Text(format!("{} = ", alias_name(index))),
             ];
-            pieces.extend(self.result_type(&self.outline.functions[index]));
+            pieces.extend(self.module_type(&self.outline.functions[index].result));
             pieces.push(Piece::Text(";".into()));
+            self.edits.push(TextEdit {
+                span: end..end,
+                pieces,
+            });
+        }
+    }
+
+    /// Declares, behind the file's text, what reads array parameters as a whole whose types have names of the file.
+    fn own_array_readers(&mut self, parameters: &[ParameterType]) {
+        let end = self.outline.text.len();
+        let Some(entry) = self.outline.function("userProc") else {
+            return;
+        };
+        for place in std::mem::take(&mut self.own_arrays) {
+            let ParameterType::Array(element, count) = parameters[place] else {
+                continue;
+            };
+            let element = element.parameter_type();
+            let size = args::words_of(element);
+            let ty = self.module_type(&entry.params[place].ty);
+            let mut pieces = vec![Piece::Text("\nfn ".into()), Piece::Prefix];
+            let name = own_array_reader(place);
+            pieces.push(Piece::Text(format!("{name}(at: u32) -> ")));
+            pieces.extend(ty.iter().cloned());
+            pieces.push(Piece::Text(" { var values: ".into()));
+            pieces.extend(ty);
+            pieces.push(Piece::Text(format!(
+                "; for (var i = 0u; i < {count}u; i++) {{ values[i] = patina_arg_{element}(at + {size}u * i); }} return values; }}"
+            )));
             self.edits.push(TextEdit {
                 span: end..end,
                 pieces,
@@ -313,6 +363,11 @@ impl Rewriter<'_, '_> {
 /// Name of the result type of the function with this number, where its own name is hidden or long.
 fn alias_name(function: usize) -> String {
     format!("patina_result{function}")
+}
+
+/// Name of the function that reads the array parameter at this place as a whole, in the file's own words.
+fn own_array_reader(place: usize) -> String {
+    format!("patina_array{place}")
 }
 
 /// For each function whether it loops, itself or through functions it calls.

@@ -77,6 +77,10 @@ impl TextureType {
         if let Some(problem) = refuse::too_deep(&file, &outline) {
             return Err(problem.into());
         }
+        let strange = refuse::strange_characters(&file, &outline);
+        if !strange.is_empty() {
+            return Err(strange);
+        }
         let mut problems = refuse::refused(&file, &outline);
         let (reads, read_problems) = reads::find_reads(&file, &outline);
         problems.append(read_problems);
@@ -104,6 +108,7 @@ impl TextureType {
             Ok(_) => return Err(problems),
             Err(found) => {
                 add_new_places(&mut problems, found);
+                problems.extend(metadata::used_by_two_slashes(&file, &outline));
                 return Err(problems);
             }
         };

@@ -20,7 +20,7 @@ pub(crate) fn plain_notes(notes: &[String]) -> Vec<String> {
         .iter()
         .filter_map(allowed)
         .filter(|ty| {
-            !["f16", "f64", "i64", "u64", "Abstract"]
+            !["f16", "f64", "i16", "u16", "i64", "u64", "Abstract"]
                 .iter()
                 .any(|absent| ty.contains(absent))
         })
@@ -218,7 +218,10 @@ pub(crate) fn remedies(
     let mut notes = Vec::new();
     notes.extend(conversion(message, labels, outline.text));
     let place = labels.first().map_or(0..0, |(span, _)| span.clone());
-    if message.contains("`{AbstractFloat}`") {
+    notes.extend(of_first_steps(message, place.start, outline));
+    if let Some(note) = vector_of_number(message, place.clone(), outline.text) {
+        notes.push(note);
+    } else if message.contains("`{AbstractFloat}`") {
         let note = "numbers with a fraction, as `2.0`, are `f32`: convert what meets them by `f32(...)`, or them by `i32(...)`";
         notes.push(note.into());
     }
@@ -255,6 +258,53 @@ pub(crate) fn remedies(
         notes.push(unique_within(place.start, outline).into());
     }
     notes
+}
+
+/// Text that is short enough for a note.
+pub(crate) fn short(text: &str, span: Range<usize>) -> Option<&str> {
+    let found = text.get(span)?.trim();
+    (!found.is_empty() && found.len() <= 60 && !found.contains('\n')).then_some(found)
+}
+
+/// What to write where a number stands for a vector, which it doesn't become.
+fn vector_of_number(message: &str, place: Range<usize>, text: &str) -> Option<String> {
+    let (from, to) = refused_conversion(message)?;
+    let (count, component) = (to.strip_prefix("vec")?.get(..1)?, to.get(5..6)?);
+    let becomes = match from {
+        "{AbstractFloat}" => component == "f",
+        "{AbstractInt}" => matches!(component, "f" | "i" | "u"),
+        _ => false,
+    };
+    let number = short(text, place).filter(|text| text.starts_with(|c: char| c.is_ascii_digit()));
+    let number = number.unwrap_or("...");
+    becomes.then(|| format!("write `vec{count}{component}({number})`"))
+}
+
+/// What who begins with WGSL takes from other languages, where naga's parser stops.
+fn of_first_steps(message: &str, place: usize, outline: &Outline<'_>) -> Option<String> {
+    let tokens = &outline.tokens.tokens;
+    let at = tokens.partition_point(|token| token.end() <= place);
+    let within = |open: usize| {
+        let span = outline.span(open).end..outline.span(outline.closing(open)).start;
+        short(outline.text, span)
+    };
+    match outline.word(at) {
+        "let" if message.starts_with("expected global item") => {
+            let from = outline.span(at).end;
+            let length = outline.text.get(from..)?.find(';');
+            let rest = length.and_then(|length| short(outline.text, from..from + length));
+            let rest =
+                rest.map_or_else(|| format!("{} = ...", outline.word(at + 1)), str::to_owned);
+            Some(format!("outside of functions write `const {rest};`"))
+        }
+        "[" if message.starts_with("expected expression") => {
+            Some(format!("write `array({})`", within(at).unwrap_or("...")))
+        }
+        "atan" if message.starts_with("too many arguments") && outline.word(at + 1) == "(" => Some(
+            format!("write `atan2({})`", within(at + 1).unwrap_or("y, x")),
+        ),
+        _ => None,
+    }
 }
 
 /// What to do about what naga says where it works out values as it reads: it doesn't show them.

@@ -91,23 +91,28 @@ pub(super) struct Values<T> {
 }
 
 impl<T: Pod> Values<T> {
-    /// # Panics
-    /// If there is no memory for them.
-    pub(super) fn zeroed(length: usize) -> Self {
+    /// `None` if there is no memory for them.
+    pub(super) fn zeroed(length: usize) -> Option<Self> {
         const { assert!(align_of::<T>() <= ALIGNMENT) };
-        let bytes = length.checked_mul(size_of::<T>());
-        let memory = bytes.and_then(Memory::new);
-        Self {
-            memory: memory.unwrap_or_else(|| panic!("no memory is left for {length} values")),
+        let bytes = length.checked_mul(size_of::<T>())?;
+        Some(Self {
+            memory: Memory::new(bytes)?,
             length,
             holds: PhantomData,
-        }
+        })
+    }
+
+    /// The same ones once more; `None` if there is no memory for them.
+    pub(super) fn copied(&self) -> Option<Self> {
+        let mut copy = Self::zeroed(self.length)?;
+        copy.copy_from_slice(self);
+        Some(copy)
     }
 }
 
 impl<T: Pod> Default for Values<T> {
     fn default() -> Self {
-        Self::zeroed(0)
+        Self::zeroed(0).expect("there is memory for nothing")
     }
 }
 
@@ -130,10 +135,12 @@ impl<T: Pod> DerefMut for Values<T> {
 }
 
 impl<T: Pod> Clone for Values<T> {
+    /// # Panics
+    /// If there is no memory for them.
     fn clone(&self) -> Self {
-        let mut copy = Self::zeroed(self.length);
-        copy.copy_from_slice(self);
-        copy
+        let length = self.length;
+        self.copied()
+            .unwrap_or_else(|| panic!("no memory is left for {length} values"))
     }
 }
 
@@ -152,7 +159,7 @@ mod tests {
     #[test]
     fn few_and_many_are_the_same() {
         for length in [0, 3, LARGE / 8 - 1, LARGE / 8, 5 * LARGE / 8 + 7] {
-            let mut values = Values::<u64>::zeroed(length);
+            let mut values = Values::<u64>::zeroed(length).expect("memory");
             assert!(values.len() == length && values.iter().all(|&value| value == 0));
             if let Some(last) = values.last_mut() {
                 *last = 7;
@@ -161,6 +168,7 @@ mod tests {
             assert_eq!(copy.last(), (length > 0).then_some(&7));
             assert_eq!(copy.len(), length);
         }
+        assert!(Values::<u64>::zeroed(1 << 59).is_none());
     }
 
     #[test]

@@ -59,10 +59,7 @@ impl Baker<'_> {
             placed.mesh = mesh;
             new.scene.instances.push(placed);
         }
-        let is_there = (new.scene.cameras.first()).is_some_and(|c| c.transform == camera.transform);
-        if !is_there {
-            new.scene.cameras.insert(0, camera.clone());
-        }
+        put_first(&mut new.scene.cameras, camera);
         Ok((new.scene, new.warnings))
     }
 
@@ -169,6 +166,16 @@ impl Baker<'_> {
             layout.tangents.clear();
         }
         layout
+    }
+}
+
+/// Makes a camera the first one. It takes the place of one of its name that stands where it does: that one differs by its lens at most.
+pub(super) fn put_first(cameras: &mut Vec<Camera>, camera: &Camera) {
+    match cameras.first_mut() {
+        Some(first) if (&first.name, first.transform) == (&camera.name, camera.transform) => {
+            first.clone_from(camera);
+        }
+        _ => cameras.insert(0, camera.clone()),
     }
 }
 

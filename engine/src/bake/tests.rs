@@ -8,7 +8,9 @@ use glam::{Affine3A, Vec2, Vec4};
 use super::*;
 use crate::procedural::TextureSources;
 use crate::scene::look::Look;
-use crate::scene::{AlphaMode, Image, Instance, Material, Sampler, TextureRef, default_camera};
+use crate::scene::{
+    AlphaMode, Camera, Image, Instance, Material, Projection, Sampler, TextureRef, default_camera,
+};
 
 const SETTINGS: BakeSettings = BakeSettings {
     size: 16,
@@ -502,4 +504,25 @@ fn curvature_does_not_depend_on_the_triangles() {
             );
         }
     }
+}
+
+#[test]
+fn the_first_camera_is_the_one_that_the_look_says() {
+    let given = default_camera(&Scene::default());
+    let first = |camera: &Camera| {
+        let mut cameras = vec![given.clone()];
+        super::scene::put_first(&mut cameras, camera);
+        assert_eq!(cameras[0], *camera);
+        cameras.len()
+    };
+    assert_eq!(first(&given), 1);
+    let narrow = Camera {
+        projection: Projection::Perspective { y_fov: 0.2 },
+        aperture_radius: 0.01,
+        ..given.clone()
+    };
+    assert_eq!(first(&narrow), 1);
+    let mut moved = narrow;
+    moved.transform.translation.x += 1.0;
+    assert_eq!(first(&moved), 2);
 }

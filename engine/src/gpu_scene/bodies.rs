@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use crate::{
     pick::{Ray, intersect},
-    scene::{Instance, Mesh, Scene},
+    scene::{Instance, Material, Mesh, Scene},
     texturing::ProgramTraits,
 };
 
@@ -23,8 +23,8 @@ const ENOUGH: usize = 7;
 /// Surfaces of transparent bodies, kept to be asked for places.
 #[derive(Debug, Default)]
 pub(crate) struct Bodies {
-    /// Of each material, whether it bounds bodies.
-    bounds: Vec<bool>,
+    /// Of each material, whether it bounds bodies: in meshes without and with vertex colours.
+    bounds: Vec<[bool; 2]>,
     /// One for each mesh that has such surfaces.
     surfaces: Vec<Surface>,
     placed: Vec<Placed>,
@@ -51,7 +51,7 @@ impl Bodies {
         let bounds = bounding(scene, program);
         let (mut surfaces, mut placed) = (Vec::new(), Vec::new());
         let mut of_mesh = vec![None; scene.meshes.len()];
-        if bounds.contains(&true) {
+        if bounds.as_flattened().contains(&true) {
             for (mesh, place) in scene.meshes.iter().zip(&mut of_mesh) {
                 let surface = Surface::of(mesh, &bounds);
                 if !surface.triangles.is_empty() {
@@ -96,19 +96,23 @@ impl Bodies {
     }
 }
 
-fn bounding(scene: &Scene, program: impl Fn(u32) -> ProgramTraits) -> Vec<bool> {
-    (0..)
-        .zip(&scene.materials)
-        .map(|(number, material)| materials::is_body(material, &program(number)))
-        .collect()
+/// A surface that a ray may pass as if it weren't there bounds nothing: who begins in it would never come out.
+fn bounding(scene: &Scene, program: impl Fn(u32) -> ProgramTraits) -> Vec<[bool; 2]> {
+    let bounds = |(number, material): (u32, &Material)| {
+        let program = program(number);
+        let is_body = materials::is_body(material, &program) && !program.decides_opacity;
+        [false, true].map(|has_colors| is_body && !materials::needs_alpha(material, has_colors))
+    };
+    (0..).zip(&scene.materials).map(bounds).collect()
 }
 
 impl Surface {
-    fn of(mesh: &Mesh, bounds: &[bool]) -> Self {
+    fn of(mesh: &Mesh, bounds: &[[bool; 2]]) -> Self {
+        let has_colors = usize::from(!mesh.colors.is_empty());
         let corners = |of: &[u32; 3]| of.map(|corner| mesh.positions[corner as usize]);
         let triangles = (mesh.triangles.iter())
             .zip(&mesh.triangle_materials)
-            .filter(|(_, material)| bounds[**material as usize])
+            .filter(|(_, material)| bounds[**material as usize][has_colors])
             .map(|(triangle, &material)| (corners(triangle), material))
             .collect();
         Self { triangles }
@@ -185,10 +189,10 @@ fn direction(number: u32) -> Vec3 {
 
 #[cfg(test)]
 mod tests {
-    use glam::Quat;
+    use glam::{Quat, Vec4};
 
     use super::*;
-    use crate::scene::Material;
+    use crate::scene::AlphaMode;
 
     /// A cube of two metres around the origin, its faces outwards.
     fn cube(material: u32) -> Mesh {
@@ -278,6 +282,40 @@ mod tests {
         };
         assert_eq!(around(&scene, Vec3::splat(0.1)), [1; 4]);
         assert_eq!(around(&scene, Vec3::splat(4.5)), [1, 1, 0, 0]);
+    }
+
+    #[test]
+    fn what_may_not_be_there_is_no_body() {
+        let blended = |alpha: f32| Material {
+            alpha_mode: AlphaMode::Blend,
+            base_color: Vec4::new(1.0, 1.0, 1.0, alpha),
+            ..glass()
+        };
+        let scene = |material: Material| Scene {
+            materials: vec![material],
+            meshes: vec![cube(0)],
+            instances: vec![placed(0, Affine3A::IDENTITY)],
+            ..Scene::default()
+        };
+        let is_bound = |scene: &Scene| around(scene, Vec3::splat(0.1)) == [1, 0, 0, 0];
+        assert!(is_bound(&scene(blended(1.0))));
+        assert!(!is_bound(&scene(blended(0.0))));
+        assert!(!is_bound(&scene(blended(0.5))));
+        // An opaque one has no alpha, whatever the file says.
+        let mut opaque = blended(0.0);
+        opaque.alpha_mode = AlphaMode::Opaque;
+        assert!(is_bound(&scene(opaque)));
+        let mut colored = scene(blended(1.0));
+        colored.meshes[0].colors = vec![Vec4::splat(0.5); 8];
+        assert!(!is_bound(&colored), "its vertices have an alpha");
+        colored.materials[0].alpha_mode = AlphaMode::Opaque;
+        assert!(is_bound(&colored));
+        let driven = ProgramTraits {
+            decides_opacity: true,
+            ..ProgramTraits::default()
+        };
+        let driven = Bodies::of(&scene(glass()), |_| driven);
+        assert_eq!(driven.around(Vec3::splat(0.1)), [0; 4]);
     }
 
     #[test]

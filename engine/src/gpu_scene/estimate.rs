@@ -1,7 +1,5 @@
 //! What a scene will take on a device, before anything of it is there.
 
-use std::collections::HashSet;
-
 use device::Device;
 
 use crate::{
@@ -9,21 +7,25 @@ use crate::{
     texturing::TextureReads,
 };
 
-use super::{GpuInstance, geometry, materials::GpuMaterial};
+use super::{GpuInstance, geometry, images, materials::GpuMaterial};
 
 /// Bytes of a triangle's share in the hierarchy, at most: of the kernels' own, and of that which rays on a processor want (blocks of four
 /// triangles of 160 bytes, seldom full, and nodes of 256).
 const HIERARCHY: u64 = 40;
 const HIERARCHY_OF_PROCESSOR: u64 = 120;
+/// Bytes of an instance's share in the hierarchy over all: of the kernels' own, and of that which rays on a processor want (its two maps, its
+/// group and what finds that, a hierarchy of its own once it is asked for, and two nodes of 256 bytes for seven, once while they are built).
+const INSTANCE: u64 = 40;
+const INSTANCE_OF_PROCESSOR: u64 = 376;
 /// Bytes of a texel of the environment and of its table: four floats each.
 const TEXEL: u64 = 16;
 
-/// Bytes of a scene on a device: of its buffers nearly as they will be, of its hierarchy and images what they take at most as a rule.
+/// Bytes of a scene on a device: of its buffers and images as they will be, nearly, of its hierarchy what it takes at most as a rule.
 pub(crate) fn bytes(device: &Device, scene: &Scene, reads: &TextureReads<'_>) -> u64 {
     let triangles: u64 = scene.meshes.iter().map(|m| m.triangles.len() as u64).sum();
-    let hierarchy = match device.traits().calls_functions {
-        true => HIERARCHY_OF_PROCESSOR,
-        false => HIERARCHY,
+    let (hierarchy, instance) = match device.traits().calls_functions {
+        true => (HIERARCHY_OF_PROCESSOR, INSTANCE_OF_PROCESSOR),
+        false => (HIERARCHY, INSTANCE),
     };
     let environment = match &scene.environment {
         Environment::Constant(_) => 0,
@@ -35,25 +37,57 @@ pub(crate) fn bytes(device: &Device, scene: &Scene, reads: &TextureReads<'_>) ->
         + scene.materials.len() * size_of::<GpuMaterial>();
     triangles * (16 + hierarchy)
         + geometry::vertex_bytes(scene, reads.attributes)
-        + images(scene, reads)
+        + instance * scene.instances.len() as u64
+        + images::bytes(&device.limits(), scene, reads)
         + environment
         + records as u64
 }
 
-/// Bytes of the images with the levels that textures read. They lie side by side in layers of one size, which are seldom full.
-fn images(scene: &Scene, reads: &TextureReads<'_>) -> u64 {
-    let with_levels: HashSet<u32> = reads.with_levels.iter().copied().collect();
-    let texels = (0..).zip(&scene.images).map(|(number, image)| {
-        let full = u64::from(image.width) * u64::from(image.height);
-        match with_levels.contains(&number) {
-            true => full * 4 / 3,
-            false => full,
-        }
-    });
-    let largest = scene
-        .images
-        .iter()
-        .map(|image| image.width.max(image.height));
-    let layer = largest.max().map_or(0, |side| u64::from(side).pow(2));
-    4 * (texels.sum::<u64>() * 5 / 4 + layer)
+#[cfg(test)]
+mod tests {
+    use device::DeviceChoice;
+
+    use super::*;
+    use crate::scene::{Image, Instance};
+
+    fn bytes_of(scene: &Scene, with_levels: &[u32]) -> u64 {
+        let device = Device::open(&DeviceChoice::Native(1)).expect("the processor");
+        let reads = TextureReads {
+            with_levels,
+            ..TextureReads::default()
+        };
+        bytes(&device, scene, &reads)
+    }
+
+    #[test]
+    fn a_long_image_takes_little() {
+        let mut scene = Scene::default();
+        let without = bytes_of(&scene, &[]);
+        scene.images.push(Image {
+            name: "long".to_owned(),
+            width: 8200,
+            height: 16,
+            rgba8: vec![0u8; 4 * 8200 * 16].into(),
+            srgb: true,
+        });
+        let alone = bytes_of(&scene, &[]) - without;
+        assert!((2 << 20..3 << 20).contains(&alone), "{alone}");
+        let with_levels = bytes_of(&scene, &[0]) - without;
+        assert!((alone..2 * alone).contains(&with_levels), "{with_levels}");
+    }
+
+    #[test]
+    fn instances_take_more_than_their_records() {
+        let mut scene = Scene::default();
+        let without = bytes_of(&scene, &[]);
+        let instance = Instance {
+            mesh: 0,
+            name: String::new(),
+            transform: glam::Affine3A::IDENTITY,
+            asset: None,
+        };
+        scene.instances = vec![instance; 1000];
+        let each = (bytes_of(&scene, &[]) - without) / 1000;
+        assert!(each >= 500, "{each}");
+    }
 }

@@ -50,7 +50,7 @@ impl HostTraversal {
     /// of each material, without and with vertex colours. Tells `activity` how far it is.
     ///
     /// # Errors
-    /// A mesh of too many triangles.
+    /// A mesh of too many triangles, or no memory for the hierarchy.
     pub fn new(
         scene: &Scene,
         order: &SceneBvh,

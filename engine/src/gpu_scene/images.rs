@@ -1,6 +1,6 @@
 //! All image textures in the layers of one array texture, placed by shelves, and the table of where each lies.
 
-use device::{Device, DeviceError, Format, Image, ImageUse, Resources};
+use device::{Device, DeviceError, Format, Image, ImageUse, Limits, Resources};
 
 use crate::{
     scene::{self, Scene},
@@ -50,26 +50,21 @@ impl GpuImages {
         let fitted: Vec<std::borrow::Cow<'_, scene::Image>> = scene
             .images
             .iter()
-            .map(|image| fit(image, limits.image_side.min(32768)))
+            .map(|image| fit(image, limits.image_side))
             .collect();
-        // The images, then the levels of each that has any.
-        let mut sizes: Vec<(u32, u32)> = fitted.iter().map(|i| (i.width, i.height)).collect();
-        let mut with_levels = Vec::new();
-        for &image in reads.with_levels {
-            let full = sizes[image as usize];
-            with_levels.push((image as usize, sizes.len()));
-            sizes.extend((1..=levels::levels_below(full)).map(|l| levels::size_of_level(full, l)));
-        }
-        let (side, layers, places) = place_all(&sizes, limits.image_side, limits.image_layers);
+        let full = fitted.iter().map(|image| (image.width, image.height));
+        let (sizes, with_levels) = with_levels(full, reads);
+        let (size, places) = place_all(&sizes, limits.image_side, limits.image_layers);
+        let [width, height, layers] = size;
         if layers > limits.image_layers {
             return Err(DeviceError::TooLarge {
                 what: "the image textures' array".to_owned(),
-                needed: u64::from(layers) * u64::from(side) * u64::from(side) * 4,
-                limit: u64::from(limits.image_layers) * u64::from(side) * u64::from(side) * 4,
+                needed: bytes_of(size),
+                limit: bytes_of([width, height, limits.image_layers]),
                 remedy: "use fewer or smaller images",
             });
         }
-        let (usage, size) = (ImageUse::ReadLayers, [side, side, layers]);
+        let usage = ImageUse::ReadLayers;
         let layered = device.image("image layers", usage, size, Format::Rgba8Unorm)?;
         let send = |number: usize, bytes: &[u8]| {
             let (width, height) = sizes[number];
@@ -113,9 +108,37 @@ impl GpuImages {
             layers_srgb: layered.as_srgb(),
             layers: layered,
             user_base,
-            bytes: u64::from(side) * u64::from(side) * u64::from(layers) * 4,
+            bytes: bytes_of(size),
         })
     }
+}
+
+/// Bytes of all layers on a device.
+pub(super) fn bytes(limits: &Limits, scene: &Scene, reads: &TextureReads<'_>) -> u64 {
+    let full = scene.images.iter();
+    let full = full.map(|image| fitted_size(image, limits.image_side));
+    let (sizes, _) = with_levels(full, reads);
+    bytes_of(place_all(&sizes, limits.image_side, limits.image_layers).0)
+}
+
+/// Bytes of layers of a size, four a texel.
+fn bytes_of(size: [u32; 3]) -> u64 {
+    4 * size.map(u64::from).iter().product::<u64>()
+}
+
+/// Sizes of the images, then of the levels of each that has any; and the numbers of those images, each with that of its first level.
+fn with_levels(
+    full: impl Iterator<Item = (u32, u32)>,
+    reads: &TextureReads<'_>,
+) -> (Vec<(u32, u32)>, Vec<(usize, usize)>) {
+    let mut sizes: Vec<(u32, u32)> = full.collect();
+    let mut with_levels = Vec::new();
+    for &image in reads.with_levels {
+        let full = sizes[image as usize];
+        with_levels.push((image as usize, sizes.len()));
+        sizes.extend((1..=levels::levels_below(full)).map(|l| levels::size_of_level(full, l)));
+    }
+    (sizes, with_levels)
 }
 
 impl GpuImages {
@@ -147,16 +170,28 @@ fn level_bits(below: u32, levels_base: u32, first: usize) -> u32 {
     }
 }
 
-/// The image itself, or a smaller one where the device can't hold it.
-fn fit(image: &scene::Image, limit: u32) -> std::borrow::Cow<'_, scene::Image> {
+/// Longest side of an image, which 16 bits of the table tell.
+const LONGEST_SIDE: u32 = 1 << 15;
+
+/// Width and height of an image, or of the smaller one that a device with this limit can hold.
+fn fitted_size(image: &scene::Image, limit: u32) -> (u32, u32) {
+    let limit = limit.min(LONGEST_SIDE);
     if image.width <= limit && image.height <= limit {
-        return std::borrow::Cow::Borrowed(image);
+        return (image.width, image.height);
     }
     let scale = f64::from(limit) / f64::from(image.width.max(image.height));
-    let (width, height) = (
+    (
         ((f64::from(image.width) * scale) as u32).clamp(1, limit),
         ((f64::from(image.height) * scale) as u32).clamp(1, limit),
-    );
+    )
+}
+
+/// The image itself, or a smaller one where the device can't hold it.
+fn fit(image: &scene::Image, limit: u32) -> std::borrow::Cow<'_, scene::Image> {
+    let (width, height) = fitted_size(image, limit);
+    if (width, height) == (image.width, image.height) {
+        return std::borrow::Cow::Borrowed(image);
+    }
     tracing::warn!(
         "image `{}` is larger than the device allows and is reduced to {width} x {height}",
         image.name
@@ -179,20 +214,33 @@ fn fit(image: &scene::Image, limit: u32) -> std::borrow::Cow<'_, scene::Image> {
     })
 }
 
-/// Side of a layer, number of layers and the place of each image, tallest first on shelves.
-fn place_all(sizes: &[(u32, u32)], max_side: u32, max_layers: u32) -> (u32, u32, Vec<Place>) {
-    let largest = sizes.iter().map(|&(w, h)| w.max(h)).max().unwrap_or(1);
-    let mut side = largest.max(64).next_power_of_two().min(max_side);
+/// Sides of layers are multiples of this, as drivers lay them out.
+const STEP: u32 = 64;
+
+/// Width and height of a layer, number of layers and the place of each image, tallest first on shelves. A layer is no larger than the
+/// largest images want it, unless there would be too many of them: one long image makes none that is as high.
+fn place_all(sizes: &[(u32, u32)], max_side: u32, max_layers: u32) -> ([u32; 3], Vec<Place>) {
+    let least = |side: fn(&(u32, u32)) -> u32| {
+        let largest = sizes.iter().map(side).max().unwrap_or(1);
+        largest.next_multiple_of(STEP).min(max_side)
+    };
+    let (mut width, mut height) = (least(|size| size.0), least(|size| size.1));
     loop {
-        let (layers, places) = place_on(sizes, side);
-        if layers <= max_layers.min(64) || side >= max_side {
-            return (side, layers.max(1), places);
+        let (layers, places) = place_on(sizes, [width, height]);
+        let is_largest = width >= max_side && height >= max_side;
+        if layers <= max_layers.min(64) || is_largest {
+            return ([width, height, layers], places);
         }
-        side = (side * 2).min(max_side);
+        let side = match width <= height {
+            true => &mut width,
+            false => &mut height,
+        };
+        *side = (*side * 2).min(max_side);
     }
 }
 
-fn place_on(sizes: &[(u32, u32)], side: u32) -> (u32, Vec<Place>) {
+/// Number of layers of a size and the place of each image.
+fn place_on(sizes: &[(u32, u32)], layer_size: [u32; 2]) -> (u32, Vec<Place>) {
     let mut order: Vec<usize> = (0..sizes.len()).collect();
     order.sort_by_key(|&i| std::cmp::Reverse((sizes[i].1, sizes[i].0)));
     let mut places = vec![
@@ -206,12 +254,12 @@ fn place_on(sizes: &[(u32, u32)], side: u32) -> (u32, Vec<Place>) {
     let (mut layer, mut x, mut y, mut shelf) = (0, 0, 0, 0);
     for i in order {
         let (width, height) = sizes[i];
-        if x + width > side {
+        if x + width > layer_size[0] {
             x = 0;
             y += shelf;
             shelf = 0;
         }
-        if y + height > side {
+        if y + height > layer_size[1] {
             layer += 1;
             x = 0;
             y = 0;
@@ -259,9 +307,9 @@ mod tests {
         let sizes: Vec<(u32, u32)> = (1..60u32)
             .map(|i| (1 + (i * 37) % 300, 1 + (i * 91) % 256))
             .collect();
-        let (side, layers, places) = place_all(&sizes, 8192, 256);
+        let ([columns, rows, layers], places) = place_all(&sizes, 8192, 256);
         for (i, (a, &(aw, ah))) in places.iter().zip(&sizes).enumerate() {
-            assert!(a.layer < layers && a.x + aw <= side && a.y + ah <= side);
+            assert!(a.layer < layers && a.x + aw <= columns && a.y + ah <= rows);
             for (b, &(bw, bh)) in places.iter().zip(&sizes).skip(i + 1) {
                 let apart = a.layer != b.layer
                     || a.x + aw <= b.x
@@ -275,7 +323,19 @@ mod tests {
 
     #[test]
     fn many_large_images_take_larger_layers_before_too_many() {
-        let (side, layers, _) = place_all(&vec![(1024, 1024); 300], 8192, 256);
-        assert!(layers <= 64 && side <= 8192, "{layers} layers of {side}");
+        let ([width, height, layers], _) = place_all(&vec![(1024, 1024); 300], 8192, 256);
+        assert!(
+            layers <= 64 && width <= 8192 && height <= 8192,
+            "{layers} layers of {width} x {height}"
+        );
+    }
+
+    #[test]
+    fn a_long_image_makes_no_high_layers() {
+        let size = |sizes: &[(u32, u32)]| place_all(sizes, 16384, 256).0;
+        assert_eq!(size(&[(8200, 16)]), [8256, 64, 1]);
+        assert_eq!(size(&[(16, 16384), (3, 3)]), [64, 16384, 1]);
+        assert_eq!(size(&[(3000, 2000)]), [3008, 2048, 1]);
+        assert_eq!(size(&[]), [64, 64, 1]);
     }
 }

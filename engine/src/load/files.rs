@@ -42,7 +42,7 @@ pub fn files_from(files: &dyn Files, scene: &Path, look: Option<&Look>) -> Vec<P
         found.push(path);
     }
     // What their nodes name is read, too. Where they can't be read, that is said elsewhere.
-    let whole = expanded(look, files);
+    let whole = expanded(look, files, None);
     let look = whole.as_ref().map_or(look, |(whole, _)| whole);
     let mut names = Vec::new();
     for field in look.nodes.iter().flat_map(|node| &node.params) {

@@ -1,6 +1,6 @@
 //! `[[include]]`: the contents of another file, put into the scene.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeSet, HashMap, HashSet};
 use std::ops::Range;
 
 use texgen::{Diagnostic, did_you_mean};
@@ -9,12 +9,14 @@ use crate::scene::import::{Appended, Importer};
 use crate::scene::look::{Include, Look, Spanned};
 use crate::scene::{PunctualLight, Scene};
 
-/// Adds what a table includes; returns the import's warnings. On an error the scene must not be used.
+/// Adds what a table includes, and to `gone` the names of lights that aren't there at this moment; returns the import's warnings. On an
+/// error the scene must not be used.
 pub(super) fn include(
     look: &Look,
     table: &Include,
     importer: &mut Importer,
     scene: &mut Scene,
+    gone: &mut BTreeSet<String>,
 ) -> Result<Vec<String>, Diagnostic> {
     let path = look.resolve(&table.file.value);
     let (meshes, lights) = (scene.meshes.len(), scene.lights.len());
@@ -25,6 +27,11 @@ pub(super) fn include(
         keep_only(look, only, scene, &added, lights)?;
         drop_unused_meshes(scene, meshes, added.instances.start);
     }
+    let gone_lights = added.names.gone_lights.iter().filter(|(node, light)| {
+        let only = table.only.as_ref();
+        only.is_none_or(|only| only.iter().any(|w| w.value == *node || w.value == *light))
+    });
+    gone.extend(gone_lights.map(|(_, light)| light.clone()));
     let Appended {
         materials,
         renamed,
@@ -43,7 +50,7 @@ pub(super) fn include(
     Ok(warnings)
 }
 
-/// Takes away the instances and lights whose nodes are not named.
+/// Takes away the instances and lights whose nodes are not named; lights may be called by their own names, too.
 fn keep_only(
     look: &Look,
     only: &[Spanned<String>],
@@ -53,10 +60,14 @@ fn keep_only(
 ) -> Result<(), Diagnostic> {
     let lights: Vec<PunctualLight> = scene.lights.split_off(first_light);
     let instances = scene.instances.split_off(added.instances.start);
-    let names: HashSet<&str> = instances
-        .iter()
-        .map(|i| i.name.as_str())
-        .chain(lights.iter().map(|l| l.name.as_str()))
+    let (nodes, gone) = (&added.names.lights, &added.names.gone_lights);
+    // What is scaled to nothing at this moment may be named as well.
+    let names: HashSet<&str> = (instances.iter().map(|i| &i.name))
+        .chain(lights.iter().map(|l| &l.name))
+        .chain(nodes)
+        .chain(&added.names.gone_meshes)
+        .chain(gone.iter().flat_map(|(node, light)| [node, light]))
+        .map(String::as_str)
         .collect();
     for wanted in only {
         if !names.contains(wanted.value.as_str()) {
@@ -64,6 +75,7 @@ fn keep_only(
             sorted.sort_unstable();
             let note = match did_you_mean(&wanted.value, sorted.iter().copied()) {
                 Some(near) => format!("did you mean `{near}`?"),
+                None if sorted.is_empty() => "it has no nodes with a mesh or a light".to_owned(),
                 None => format!(
                     "it has {}",
                     sorted.into_iter().take(20).collect::<Vec<_>>().join(", ")
@@ -82,9 +94,9 @@ fn keep_only(
     scene
         .instances
         .extend(instances.into_iter().filter(|i| is_wanted(&i.name)));
-    scene
-        .lights
-        .extend(lights.into_iter().filter(|l| is_wanted(&l.name)));
+    let lights = lights.into_iter().zip(nodes);
+    let lights = lights.filter(|(light, node)| is_wanted(&light.name) || is_wanted(node));
+    scene.lights.extend(lights.map(|(light, _)| light));
     Ok(())
 }
 

@@ -1,16 +1,19 @@
 //! Lights of the look, and its overrides of lights of the scene.
 
+use std::collections::BTreeSet;
 use std::f32::consts::FRAC_PI_4;
 
 use glam::{Affine3A, Mat3A, Vec3, Vec3A};
 use texgen::{Diagnostic, SourceFile, did_you_mean};
 
-use crate::scene::look::{LampKind, LightLook, Look, direction_of};
+use crate::scene::look::{Aim, EnvironmentLook, LampKind, LightLook, Look, direction_of};
 use crate::scene::{Instance, LightKind, Material, Mesh, PunctualLight, Scene};
 
 /// Of a light whose look doesn't say it, W/sr; of directional lights W/m².
 const INTENSITY: f32 = 10.0;
 const IRRADIANCE: f32 = 3.0;
+/// What the light is called that a sky brings with it.
+const SUN: &str = "sun";
 /// Metres, of a rectangle.
 const SIZE: [f32; 2] = [0.5, 0.5];
 
@@ -19,18 +22,27 @@ pub(super) fn material_name(light: &str) -> String {
     format!("light {light}")
 }
 
-/// Adds a light of the look's own, or changes those of the scene that have its name.
-pub(super) fn apply(look: &Look, wanted: &LightLook, scene: &mut Scene) -> Result<(), Diagnostic> {
+/// Adds a light of the look's own, or changes those of the scene that have its name. Those that are `gone` at this moment, and the sun
+/// of a sky that shows none, are known, but there is nothing to change.
+pub(super) fn apply(
+    look: &Look,
+    wanted: &LightLook,
+    scene: &mut Scene,
+    gone: &BTreeSet<String>,
+) -> Result<(), Diagnostic> {
     let name = &wanted.name.value;
     let is_there = scene.lights.iter().any(|light| light.name == *name);
     let Some(kind) = &wanted.kind else {
         if !is_there {
-            return Err(unknown(&look.file, wanted, scene));
+            return match gone.contains(name) || is_sun(look, name) {
+                true => Ok(()),
+                false => Err(unknown(&look.file, wanted, scene, gone)),
+            };
         }
         let mut lights = scene.lights.iter_mut().filter(|l| l.name == *name);
         return lights.try_for_each(|light| change(&look.file, wanted, light));
     };
-    if is_there {
+    if is_there || gone.contains(name) {
         let problem = format!("the scene has a light called `{name}` already");
         return Err(Diagnostic::error(problem)
             .with_label(&look.file, kind.span.clone(), "")
@@ -41,6 +53,12 @@ pub(super) fn apply(look: &Look, wanted: &LightLook, scene: &mut Scene) -> Resul
     }
     scene.lights.push(own(&look.file, wanted, kind.value)?);
     Ok(())
+}
+
+/// Whether a light is the sun of the look's sky, which is there only as long as it is up and shines.
+fn is_sun(look: &Look, name: &str) -> bool {
+    let environment = look.environment.as_ref().map(|e| &e.value);
+    name == SUN && matches!(environment, Some(EnvironmentLook::Sky(_)))
 }
 
 /// A light of the look's own, but for rectangles.
@@ -82,18 +100,28 @@ pub(crate) fn change(
     if let Some(position) = &wanted.position {
         light.position = position.value;
     }
-    if let Some(aim) = &wanted.aim {
-        light.direction = direction_of(Some(aim.value), light.position)
-            .ok_or_else(|| aims_nowhere(file, wanted))?;
-    }
-    if let Some(range) = &wanted.range {
-        light.range = range.value;
-    }
     let misfit = |key: &str, note: &str| {
         let problem = format!("the light `{}` has no `{key}`", wanted.name.value);
         let problem = Diagnostic::error(problem).with_note(note);
         Err(problem.with_label(file, wanted.name.span.clone(), ""))
     };
+    if let Some(aim) = &wanted.aim {
+        if light.kind == LightKind::Point {
+            let key = match aim.value {
+                Aim::Direction(_) => "direction",
+                Aim::At(_) => "look_at",
+            };
+            return misfit(key, "a point shines in all directions");
+        }
+        light.direction = direction_of(Some(aim.value), light.position)
+            .ok_or_else(|| aims_nowhere(file, wanted))?;
+    }
+    if let Some(range) = &wanted.range {
+        if matches!(light.kind, LightKind::Directional | LightKind::Disk { .. }) {
+            return misfit("range", "light from infinitely far away reaches everything");
+        }
+        light.range = range.value;
+    }
     let cone = [&wanted.inner_cone_angle, &wanted.outer_cone_angle]
         .map(|angle| angle.as_ref().map(|angle| angle.value.to_radians()));
     let diameter = wanted.angular_diameter.as_ref();
@@ -102,6 +130,15 @@ pub(crate) fn change(
             inner_angle,
             outer_angle,
         } => {
+            if let (Some(inner), None) = (&wanted.inner_cone_angle, cone[1])
+                && inner.value.to_radians() >= *outer_angle
+            {
+                let outer = (outer_angle.to_degrees() * 100.0).round() / 100.0;
+                let problem = format!(
+                    "`inner_cone_angle` has to be less than `outer_cone_angle`, which is {outer} here"
+                );
+                return Err(Diagnostic::error(problem).with_label(file, inner.span.clone(), ""));
+            }
             *outer_angle = cone[1].unwrap_or(*outer_angle);
             // What is narrower than all of it was before has no edge.
             *inner_angle = cone[0].unwrap_or(*inner_angle).min(0.999 * *outer_angle);
@@ -151,12 +188,20 @@ fn intensity(wanted: &LightLook, former: Vec3) -> Vec3 {
     color * strength
 }
 
-fn unknown(file: &SourceFile, wanted: &LightLook, scene: &Scene) -> Diagnostic {
+fn unknown(
+    file: &SourceFile,
+    wanted: &LightLook,
+    scene: &Scene,
+    gone: &BTreeSet<String>,
+) -> Diagnostic {
     let name = &wanted.name.value;
-    let names = || scene.lights.iter().map(|light| light.name.as_str());
+    let names = || {
+        let lights = scene.lights.iter().map(|light| &light.name);
+        lights.chain(gone).map(String::as_str)
+    };
     let note = match did_you_mean(name, names()) {
         Some(near) => format!("did you mean `{near}`?"),
-        None if scene.lights.is_empty() => "the scene has no punctual lights".to_owned(),
+        None if names().next().is_none() => "the scene has no punctual lights".to_owned(),
         None => format!("it has {}", names().take(20).collect::<Vec<_>>().join(", ")),
     };
     Diagnostic::error(format!("the scene has no light called `{name}`"))
@@ -258,7 +303,8 @@ mod tests {
         let look = Look::parse(Path::new("test.look.toml"), text).map_err(|e| e.to_string())?;
         let mut scene = scene(kind);
         for light in &look.lights {
-            apply(&look, light, &mut scene).map_err(|problem| problem.render())?;
+            let gone = BTreeSet::from(["Gone".to_owned()]);
+            apply(&look, light, &mut scene, &gone).map_err(|problem| problem.render())?;
         }
         Ok(scene)
     }
@@ -327,7 +373,55 @@ mod tests {
     }
 
     #[test]
+    fn what_is_not_there_at_the_moment_is_left_alone() {
+        let sky = "environment = { sky = { sun_elevation = -5 } }\n[light.sun]\nintensity = 2";
+        for text in ["[light.Gone]\non = false", sky] {
+            let scene = changed(text, LightKind::Point).expect(text);
+            assert_eq!(scene.lights.len(), 1, "{text}");
+            assert_eq!(scene.lights[0].intensity.x, 1.0, "{text}");
+        }
+        let other = "environment = { color = [1, 1, 1] }\n[light.sun]\nintensity = 2";
+        let error = changed(other, LightKind::Point).expect_err("it has no sun");
+        assert!(error.contains("no light called `sun`"), "{error}");
+        let own = "[light.Gone]\ntype = \"point\"\nposition = [0, 0, 0]";
+        let error = changed(own, LightKind::Point).expect_err("there are two of them");
+        assert!(error.contains("already"), "{error}");
+    }
+
+    #[test]
+    fn a_cone_is_never_cut_unasked() {
+        let spot = LightKind::Spot {
+            inner_angle: 0.1,
+            outer_angle: 0.5,
+        };
+        let error = change("[light.Sun]\ninner_cone_angle = 29", spot).expect_err("too wide");
+        assert!(error.contains("which is 28.65 here"), "{error}");
+        assert!(change("[light.Sun]\ninner_cone_angle = 28", spot).is_ok());
+        assert!(
+            change(
+                "[light.Sun]\ninner_cone_angle = 29\nouter_cone_angle = 30",
+                spot
+            )
+            .is_ok()
+        );
+    }
+
+    #[test]
     fn other_names_and_kinds_are_mistakes() {
+        for (text, kind) in [
+            ("[light.Sun]\nrange = 3", LightKind::Directional),
+            ("[light.Sun]\ndirection = [1, 0, 0]", LightKind::Point),
+            (
+                "[light.Sun]\nposition = [1, 1, 1]\nlook_at = [1, 0, 0]",
+                LightKind::Point,
+            ),
+        ] {
+            let error = change(text, kind).expect_err(text);
+            assert!(
+                error.contains("the light `Sun` has no `"),
+                "{text}: {error}"
+            );
+        }
         let error = change("[light.Sum]", LightKind::Directional).unwrap_err();
         assert!(error.contains("did you mean `Sun`?"), "{error}");
         for (text, why) in [
@@ -352,6 +446,10 @@ mod tests {
             (
                 "[light.a]\ntype = \"area\"\nposition = [0, 0, 0]\nrange = 1",
                 "has no `range`",
+            ),
+            (
+                "[light.a]\ntype = \"spot\"\nposition = [0, 0, 0]\ninner_cone_angle = 45",
+                "`outer_cone_angle`, which is 45 here",
             ),
             (
                 "[light.a]\ntype = \"spot\"\nposition = [1, 0, 0]\nlook_at = [1, 0, 0]",

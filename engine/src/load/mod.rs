@@ -10,6 +10,7 @@ mod light;
 mod stand_in;
 mod timeline;
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -122,10 +123,8 @@ pub fn load_from(
         TextureSources::default()
     };
     let mut importer = Importer::from_files(files.clone());
-    let Imported {
-        mut scene,
-        mut warnings,
-    } = files.scene(&mut importer, path)?;
+    let mut imported = files.scene(&mut importer, path)?;
+    check_environment(&mut imported, look.as_ref())?;
 
     let mut environments = EnvironmentMaker::default();
     let applied = match &look {
@@ -134,12 +133,16 @@ pub fn load_from(
             look,
             &mut importer,
             &mut environments,
-            &mut scene,
-            &mut warnings,
+            &mut imported,
             None,
         )?,
-        None => Applied::nothing(&scene, None),
+        None => Applied::nothing(&imported.scene, None),
     };
+    let Imported {
+        mut scene,
+        warnings,
+        ..
+    } = imported;
     if scene.instances.is_empty() {
         return Err(LoadError::Empty {
             path: path.to_owned(),
@@ -248,20 +251,41 @@ impl Applied {
     }
 }
 
+/// A scene whose own environment can't be read is shown only where the look has another.
+fn check_environment(imported: &mut Imported, look: Option<&Look>) -> Result<(), ImportError> {
+    let Some(problem) = imported.environment_problem.take() else {
+        return Ok(());
+    };
+    if !look.is_some_and(|look| look.environment.is_some()) {
+        return Err(problem);
+    }
+    let warning = format!("{problem}; the look has another environment");
+    imported.warnings.push(warning);
+    Ok(())
+}
+
 /// Everything of the look that is not a material: includes, environment, lights, camera.
 fn apply(
     files: &dyn Files,
     look: &Look,
     importer: &mut Importer,
     environments: &mut EnvironmentMaker,
-    scene: &mut Scene,
-    warnings: &mut Vec<String>,
+    imported: &mut Imported,
     still: Option<&Camera>,
 ) -> Result<Applied, LookError> {
+    let Imported {
+        scene,
+        names,
+        warnings,
+        ..
+    } = imported;
     let mut problems = Diagnostics::new();
+    let mut gone: BTreeSet<String> = (std::mem::take(&mut names.gone_lights).into_iter())
+        .map(|(_, light)| light)
+        .collect();
     let has_given_environment = !is_black(&scene.environment);
     for table in &look.includes {
-        match include::include(look, table, importer, scene) {
+        match include::include(look, table, importer, scene, &mut gone) {
             Ok(more) => warnings.extend(more),
             Err(problem) => problems.push(problem),
         }
@@ -278,7 +302,7 @@ fn apply(
     }
     let given_lights = scene.lights.clone();
     for table in &look.lights {
-        problems.extend(light::apply(look, table, scene).err());
+        problems.extend(light::apply(look, table, scene, &gone).err());
     }
     if let Err(problem) = groups::apply(look, scene) {
         problems.push(problem);

@@ -403,3 +403,65 @@ fn what_has_neither_lamps_nor_surroundings_is_seen_in_another_light() {
         assert_eq!(sky(&loaded), left, "{materials} {extras}");
     }
 }
+
+/// Three triangles, of which one is scaled to nothing, and a lamp that is, too.
+const HALF_GONE: &str = r#"{
+    "asset": { "version": "2.0" }, "extensionsUsed": ["KHR_lights_punctual"],
+    "extensions": { "KHR_lights_punctual": { "lights": [{ "type": "spot", "name": "Beam" }, { "type": "point", "name": "Glow" }] } },
+    "scenes": [{ "nodes": [0, 1, 2, 3, 4], "extras": { "environment": { "uri": "no such.exr" } } }],
+    "nodes": [{ "mesh": 0, "name": "Gone", "scale": [0, 0, 0] }, { "mesh": 0, "name": "Body" }, { "mesh": 0, "name": "Other" },
+        { "name": "Spot", "scale": [0, 0, 0], "extensions": { "KHR_lights_punctual": { "light": 0 } } },
+        { "name": "Bulb", "extensions": { "KHR_lights_punctual": { "light": 1 } } }],
+    "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 } }] }], "materials": [{ "name": "Unused" }],
+    "buffers": [{ "byteLength": 36, "uri": "data:;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA" }],
+    "bufferViews": [{ "buffer": 0, "byteLength": 36 }],
+    "accessors": [{ "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0] }] }"#;
+
+#[test]
+fn what_is_gone_at_the_moment_is_no_mistake() {
+    let files: Arc<dyn Assets> = Arc::new(InMemory(
+        [(PathBuf::from("half.gltf"), HALF_GONE.as_bytes().to_vec())].into(),
+    ));
+    let loaded = |text: &str| {
+        let look = Look::parse(Path::new("a.look.toml"), text).unwrap_or_else(|e| panic!("{e}"));
+        load_from(&files, Path::new("half.gltf"), Some(look), &[])
+    };
+    let lit = "environment = { color = [1, 1, 1] }\n";
+    let include = "[[include]]\nfile = 'half.gltf'\nname = 'more'\nonly = ";
+    for (text, instances, lights) in [
+        (String::new(), 2, 1),
+        ("[light.Beam]\nintensity = 2".to_owned(), 2, 1),
+        ("[material.default]\nroughness = 0.5".to_owned(), 2, 1),
+        (format!("{include}['Gone']"), 2, 1),
+        (
+            format!("{include}['Gone', 'Body', 'Spot']\n[light.Beam]\non = false"),
+            3,
+            1,
+        ),
+        // By the name of the node, and by its own.
+        (format!("{include}['Bulb']"), 2, 2),
+        (format!("{include}['Glow']"), 2, 2),
+    ] {
+        let scene = loaded(&format!("{lit}{text}"));
+        let scene = scene
+            .unwrap_or_else(|error| panic!("{text}: {error}"))
+            .scene;
+        assert_eq!(scene.instances.len(), instances, "{text}");
+        assert_eq!(scene.lights.len(), lights, "{text}");
+    }
+    for (text, says) in [
+        (
+            format!("{lit}[light.Baem]\non = false"),
+            "did you mean `Beam`?",
+        ),
+        (format!("{lit}{include}['Gome']"), "did you mean `Gone`?"),
+        // Without another one, its own environment is wanted.
+        (String::new(), "no such.exr"),
+    ] {
+        let error = loaded(&text).expect_err("it is wrong").to_string();
+        assert!(error.contains(says), "{text}: {error}");
+    }
+    let warnings = loaded(lit).expect("it loads").warnings;
+    let told = warnings.iter().any(|w| w.message.contains("no such.exr"));
+    assert!(told, "{warnings}");
+}

@@ -14,7 +14,7 @@ use crate::scene::{
 };
 use crate::system::Assets;
 
-use super::{Applied, EnvironmentMaker, LoadError, Loaded, apply, finish};
+use super::{Applied, EnvironmentMaker, LoadError, Loaded, apply, check_environment, finish};
 
 /// A scene with its look at any moment. What is the same at all of them (pictures, meshes that don't bend, textures) is read and
 /// built for the first one.
@@ -156,22 +156,24 @@ impl Timeline {
             }
             None => None,
         };
-        let Imported {
-            mut scene,
-            mut warnings,
-        } = self.files.scene(&mut self.importer, &self.path)?;
+        let mut imported = self.files.scene(&mut self.importer, &self.path)?;
+        check_environment(&mut imported, look.as_ref())?;
         let applied = match &look {
             Some(look) => apply(
                 &*self.files,
                 look,
                 &mut self.importer,
                 &mut self.environments,
-                &mut scene,
-                &mut warnings,
+                &mut imported,
                 still,
             )?,
-            None => Applied::nothing(&scene, still),
+            None => Applied::nothing(&imported.scene, still),
         };
+        let Imported {
+            mut scene,
+            warnings,
+            ..
+        } = imported;
         match &self.images {
             // They were decoded when the files were read first.
             Some(images) => scene.images.clone_from(images),

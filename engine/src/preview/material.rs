@@ -31,7 +31,7 @@ impl MaterialPreview {
     /// # Errors
     /// The look has no such material; every mistake in its textures and nodes, and in the material.
     pub fn new(look: &Look, material: &str, sources: &TextureSources) -> Result<Self, Diagnostics> {
-        let (look, _) = expanded(look, &**sources.files())?;
+        let (look, _) = expanded(look, &**sources.files(), None)?;
         let known = || look.materials.iter().map(|table| &*table.name.value);
         if !known().any(|name| name == material) {
             let message = format!("the look has no material called `{material}`");

@@ -36,7 +36,7 @@ impl Procedural {
         scene: &mut Scene,
         textures: &TextureSources,
     ) -> Result<Self, Diagnostics> {
-        let (look, warnings) = expanded(look, &**textures.files())?;
+        let (look, warnings) = expanded(look, &**textures.files(), Some(&scene.materials))?;
         let look = &*look;
         let mut builder = Builder {
             look,

@@ -7,26 +7,30 @@ use materialx::{Document, Wanted};
 use texgen::{Diagnostic, Diagnostics};
 
 use crate::input::Files;
+use crate::scene::Material;
 use crate::scene::look::{Field, Look, MaterialxLook, Section, Span, Spanned, Table, Value, table};
 
 /// The look with the nodes and materials of its documents, and what can't be expressed of these. What the look says of a node or a
-/// material of the same name itself holds.
+/// material of the same name itself holds. Where the materials of the scene are given, documents without a `material` or `name`
+/// of their own give those that the scene or a blend of the look has.
 ///
 /// # Errors
 /// A document that can't be read, with the line of the look or its own.
 pub(crate) fn expanded<'l>(
     look: &'l Look,
     files: &dyn Files,
+    scene: Option<&[Material]>,
 ) -> Result<(Cow<'l, Look>, Diagnostics), Diagnostics> {
     let mut warnings = Diagnostics::new();
     if look.materialx.is_empty() {
         return Ok((Cow::Borrowed(look), warnings));
     }
+    let known = scene.map(|materials| known_names(look, materials));
     let mut whole = look.clone();
     let mut problems = Diagnostics::new();
     let mut given = Given::default();
     for document in std::mem::take(&mut whole.materialx) {
-        match add(&mut whole, &document, &mut given, files) {
+        match add(&mut whole, &document, &mut given, known.as_ref(), files) {
             Ok(found) => warnings.append(found),
             Err(found) => problems.append(found),
         }
@@ -35,6 +39,14 @@ pub(crate) fn expanded<'l>(
         true => Err(problems),
         false => Ok((Cow::Owned(whole), warnings)),
     }
+}
+
+/// Materials that there are, and those that blends need.
+fn known_names(look: &Look, scene: &[Material]) -> HashSet<String> {
+    let blends = (look.materials.iter()).filter_map(|material| material.blend.as_ref());
+    let blended = blends.flat_map(|blend| [&blend.value.base.value, &blend.value.over.value]);
+    let scene = scene.iter().map(|material| &material.name);
+    scene.chain(blended).cloned().collect()
 }
 
 /// Names of what documents have given so far.
@@ -48,6 +60,7 @@ fn add(
     look: &mut Look,
     wanted: &MaterialxLook,
     given: &mut Given,
+    known: Option<&HashSet<String>>,
     files: &dyn Files,
 ) -> Result<Diagnostics, Diagnostics> {
     let path = look.resolve(&wanted.file.value);
@@ -68,6 +81,7 @@ fn add(
         folder: look.resolve(""),
         // What the look itself calls so is meant to stand for a document's node; what another document does, is not.
         taken: given.nodes.clone(),
+        known: known.filter(|_| wanted.material.is_none()).cloned(),
     };
     let document = Document::open(files, &path, wanted.drafts)?;
     let converted = materialx::convert(&document, files, &options)?;
@@ -170,7 +184,8 @@ mod tests {
         let look = read(
             "[[materialx]]\nfile = 'a.mtlx'\nname = 'Steel'\n[material.Steel]\nmetallic = 0.25\n",
         );
-        let (whole, warnings) = expanded(&look, &Disk).unwrap_or_else(|p| panic!("{}", p.render()));
+        let (whole, warnings) =
+            expanded(&look, &Disk, None).unwrap_or_else(|p| panic!("{}", p.render()));
         assert!(
             warnings.render().contains("diffuse_roughness"),
             "{}",
@@ -185,7 +200,9 @@ mod tests {
         assert!(steel.is_driven("roughness"));
         // Mistakes have the look's line.
         let look = read("[[materialx]]\nfile = 'b.mtlx'\n");
-        let error = expanded(&look, &Disk).expect_err("it isn't there").render();
+        let error = expanded(&look, &Disk, None)
+            .expect_err("it isn't there")
+            .render();
         assert!(
             error.contains("no file") && error.contains("a.look.toml:2"),
             "{error}"
@@ -197,7 +214,7 @@ mod tests {
         std::fs::write(folder.path().join("c.mtlx"), other).expect("a file");
         let both = "[[materialx]]\nfile = 'a.mtlx'\n[[materialx]]\nfile = 'c.mtlx'\n";
         let look = read(both);
-        let (whole, _) = expanded(&look, &Disk).unwrap_or_else(|p| panic!("{}", p.render()));
+        let (whole, _) = expanded(&look, &Disk, None).unwrap_or_else(|p| panic!("{}", p.render()));
         let nodes: Vec<&str> = whole.nodes.iter().map(|n| n.name.value.as_str()).collect();
         assert_eq!(nodes.len(), 2, "{nodes:?}");
         let links: HashSet<String> = (whole.materials.iter())
@@ -210,11 +227,40 @@ mod tests {
         assert_eq!(links, nodes.iter().map(|&n| n.to_owned()).collect());
         let twice = "[[materialx]]\nfile = 'a.mtlx'\n[[materialx]]\nfile = 'a.mtlx'\n";
         let look = read(twice);
-        let (whole, warnings) = expanded(&look, &Disk).unwrap_or_else(|p| panic!("{}", p.render()));
+        let (whole, warnings) =
+            expanded(&look, &Disk, None).unwrap_or_else(|p| panic!("{}", p.render()));
         assert_eq!(whole.materials.len(), 1);
         assert!(warnings.render().contains("another document gives `M`"));
+        // Of many materials those are given that the scene has, or a blend; of none the mistake is said where all is built.
+        let of = |name: &str| Material {
+            name: name.to_owned(),
+            ..Material::default()
+        };
+        let text = "[[materialx]]\nfile = 'a.mtlx'\n[[materialx]]\nfile = 'd.mtlx'\n";
+        let more = DOCUMENT.replace(
+            "</materialx>",
+            r#"<surfacematerial name="Other" type="material"><input name="surfaceshader" type="surfaceshader" nodename="s"/></surfacematerial></materialx>"#,
+        );
+        std::fs::write(folder.path().join("d.mtlx"), more.replace("\"M\"", "\"N\""))
+            .expect("a file");
+        let look = read(text);
+        let names = |scene: &[Material]| {
+            let given = expanded(&look, &Disk, Some(scene));
+            let (whole, warnings) = given.unwrap_or_else(|p| panic!("{}", p.render()));
+            let materials = whole.materials.iter();
+            let names: Vec<String> = materials.map(|m| m.name.value.clone()).collect();
+            (names, warnings.render())
+        };
+        let (given, said) = names(&[of("M"), of("N")]);
+        assert_eq!(given, ["M", "N"]);
+        assert!(
+            said.contains("the scene hasn't are left out: Other"),
+            "{said}"
+        );
+        let (given, said) = names(&[of("M")]);
+        assert_eq!(given, ["M", "N", "Other"], "{said}");
         let nothing = read("");
-        let (same, _) = expanded(&nothing, &Disk).expect("nothing to read");
+        let (same, _) = expanded(&nothing, &Disk, None).expect("nothing to read");
         assert_eq!(same.path, Path::new(&path));
     }
 }

@@ -37,6 +37,22 @@ impl Procedural {
             .collect()
     }
 
+    /// The textures of nodes that aren't among the sources any more. Nodes that the look is said not to name count as far as something
+    /// reads them.
+    pub(crate) fn gone_sources(
+        &self,
+        sources: &TextureSources,
+        is_named: impl Fn(&str) -> bool,
+    ) -> impl Iterator<Item = &str> {
+        let graph = self.graph();
+        let is_used = move |node| is_named(graph.name(node)) || self.is_read(node);
+        let textures = graph.library().textures().iter().map(TextureType::name);
+        textures.filter(move |&name| {
+            let mut nodes = graph.ids().filter(|&id| graph.texture(id).name() == name);
+            sources.is_missing(name) && nodes.any(&is_used)
+        })
+    }
+
     /// Its library with these files in the place of the textures of their names, or beside them.
     ///
     /// # Errors
@@ -367,9 +383,12 @@ mod tests {
                 .collect::<Vec<_>>()
         };
         assert!(changed(&sources).is_empty(), "its file is gone");
+        let gone = |sources: &TextureSources| old.gone_sources(sources, |_| false).count();
+        assert_eq!(gone(&sources), 1);
         sources.insert("t", OLD);
         sources.insert("u", OLD);
         assert!(changed(&sources).is_empty());
+        assert_eq!(gone(&sources), 0);
         sources.insert("t", &OLD.replace('*', "+"));
         assert_eq!(changed(&sources), ["t"]);
     }

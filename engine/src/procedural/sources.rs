@@ -207,6 +207,25 @@ impl TextureSources {
         read_file(&Disk, &name, path).and_then(|file| with_libraries(&Disk, file, path))
     }
 
+    /// Whether there is no texture of that name.
+    pub(crate) fn is_missing(&self, name: &str) -> bool {
+        !self.by_name.contains_key(name) && !self.is_built_in(name)
+    }
+
+    /// A texture that does nothing but use a shared file, by which that can be checked; `None` where there are no shared files in the
+    /// folder of the path.
+    ///
+    /// # Errors
+    /// The file, or one that it uses, can't be read.
+    pub fn user_of(path: &Path) -> Option<Result<SourceFile, SourcesError>> {
+        let folder = path.parent()?;
+        let textures = (folder.file_name()? == LIBRARIES).then(|| folder.parent())??;
+        let name = path.file_stem()?.to_str()?;
+        let text = format!("/// @use {name}\nfn userProc() -> f32 {{ return 0.0; }}\n");
+        let file = SourceFile::new(name, path.display().to_string(), text);
+        Some(with_libraries(&Disk, file, &textures.join(name)))
+    }
+
     /// The file of a texture, where it comes from one.
     pub fn path(&self, name: &str) -> Option<&Path> {
         match self.by_name.get(name)? {

@@ -131,7 +131,7 @@ impl Procedural {
         Ok(())
     }
 
-    fn is_read(&self, node: NodeId) -> bool {
+    pub(super) fn is_read(&self, node: NodeId) -> bool {
         let drives = |wiring: &Wiring| wiring.nodes.contains(&node);
         let links = |reader: NodeId| {
             let parameters = self.graph.texture(reader).parameters().iter();

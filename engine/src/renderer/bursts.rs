@@ -3,7 +3,8 @@
 //! holds for a whole picture.
 //!
 //! A burst is that many samples of all pixels, block by block. Between two bursts all pixels have the same samples, as ever; within
-//! one the film itself says which blocks have them already, so that a film can be gone on with at any time.
+//! one the film itself says which blocks have them already, so that a film can be gone on with at any time. The first sample of all
+//! pixels goes alone, so that a picture that ends early is soon there as a whole.
 //! Paths that go ahead of the picture come likewise.
 
 use crate::film::Film;
@@ -106,7 +107,8 @@ impl Renderer {
 
     /// Samples of the burst that begins now.
     fn next_burst(&self, target_spp: u32) -> u32 {
-        if !self.has_bursts() {
+        // Whoever ends a picture when its paths are as many as its pixels counts on it that each pixel has one then.
+        if !self.has_bursts() || self.position == 0 {
             return 1;
         }
         let padded = u64::from(self.frame.padded_pixels);
@@ -114,6 +116,9 @@ impl Renderer {
         let left = self.until_more_rays(left) / padded;
         // As many paths as so many waves have at the speed that is known by now.
         let room = (MOST_WAVES * u64::from(self.wave_size)).max(self.position / AHEAD) / padded;
-        room.min(u64::from(MOST_SAMPLES)).min(left) as u32
+        // They end at multiples of the most, after which the noise of a picture is looked at: all pixels have as many samples then.
+        let most = u64::from(MOST_SAMPLES);
+        let until_whole = most - self.position / padded % most;
+        room.min(until_whole).min(left) as u32
     }
 }

@@ -7,7 +7,7 @@ use texgen::{Diagnostic, Diagnostics};
 
 use crate::film::Layers;
 use crate::load::{LoadError, Loaded, StandIn};
-use crate::procedural::SourcesError;
+use crate::procedural::{SourcesError, TextureSources};
 use crate::renderer::{Reload, ReloadError, Renderer};
 use crate::scene::Moment;
 use crate::scene::look::{Look, LookError, Section, Value, find, placed_fields};
@@ -68,18 +68,40 @@ impl Session {
             self.again.sources = true;
             return;
         }
-        let changed = self
-            .textures()
-            .and_then(|sources| self.renderer.procedural().changed_sources(&sources));
+        let changed = self.textures().and_then(|sources| {
+            let files = self.renderer.procedural().changed_sources(&sources)?;
+            self.problems.gone = self.gone(&sources);
+            Ok(files)
+        });
         match changed {
-            Ok(files) if files.is_empty() => match self.shown {
-                None => self.problems.sources = Diagnostics::new(),
-                // A texture that the look waits for may have come.
-                Some(_) => self.catch_up(),
-            },
+            Ok(files) if files.is_empty() => {
+                let was_unfit = std::mem::take(&mut self.is_unfit);
+                match self.shown {
+                    None => {
+                        self.problems.sources = Diagnostics::new();
+                        // Nor is what was said of the look with the other textures true any more.
+                        if was_unfit {
+                            self.assets_changed();
+                        }
+                    }
+                    // A texture that the look waits for may have come.
+                    Some(_) => self.catch_up(),
+                }
+            }
             Ok(files) => self.begin_kernel(files),
             Err(error) => self.problems.sources = Diagnostic::error(error.to_string()).into(),
         }
+    }
+
+    /// The textures in use whose files aren't there: what is shown can't be rendered again.
+    fn gone(&self, sources: &TextureSources) -> Diagnostics {
+        let is_named = |node: &str| {
+            let section = Section::Node(node.to_owned());
+            self.document.table(&section).is_some()
+        };
+        let gone = self.renderer.procedural().gone_sources(sources, is_named);
+        let error = |name| format!("texture `{name}`: its file is gone; the former text is used");
+        gone.map(|name| Diagnostic::error(error(name))).collect()
     }
 
     /// Builds the kernel with textures that changed nodes use for the first time.
@@ -118,11 +140,15 @@ impl Session {
     fn begin_kernel(&mut self, files: Vec<texgen::SourceFile>) {
         let procedural = self.renderer.procedural();
         match procedural.library_with(files) {
-            // Attributes of meshes are uploaded with the geometry, and tangents and images as they are read.
+            // Attributes of meshes are uploaded with the geometry, and tangents and images as they are read. What a
+            // parameter was given that is gone or of another type is known by the look alone.
             Ok(library)
-                if library.custom_attributes() != procedural.reads().attributes
-                    || !procedural.reads_as_loaded(&library) =>
+                if self.is_unfit
+                    || library.custom_attributes() != procedural.reads().attributes
+                    || !procedural.reads_as_loaded(&library)
+                    || !procedural.graph().keeps_given(&library) =>
             {
+                self.is_unfit = true;
                 self.rebuild();
             }
             Ok(library) => self.job = Some(Job::Kernel(self.renderer.begin_reload_of(library))),
@@ -365,9 +391,12 @@ impl Session {
                 if let Some(read) = read {
                     self.read = read;
                     self.is_behind = false;
+                    self.is_unfit = false;
                     self.problems.scene = Diagnostics::new();
                     self.problems.sources = Diagnostics::new();
+                    self.problems.gone = Diagnostics::new();
                 }
+                self.again.sources |= self.is_unfit;
                 self.adopt(loaded, moment);
                 if let Some(view) = &self.view {
                     self.renderer.set_camera(view);

@@ -15,7 +15,7 @@ use crate::scene::{Camera, Environment, Material, Motion, PunctualLight};
 use super::difference::{TableChange, difference};
 use super::edit::{Edit, summary};
 use super::moment::has_keys;
-use super::{Session, SessionError};
+use super::{Problems, Session, SessionError};
 
 /// Tables of documents that give a look materials.
 const DOCUMENTS: &str = "materialx";
@@ -70,6 +70,8 @@ impl Session {
             false => Ok(()),
         });
         let Err(error) = outcome else {
+            // Textures that didn't fit the look may do so now.
+            self.again.sources |= self.is_unfit || !self.problems.gone.is_empty();
             return Ok(());
         };
         // What it was is right, so nothing of it is refused; nor has anything been written.
@@ -198,6 +200,8 @@ impl Session {
                 self.shown = Some(shown);
                 match error {
                     UpdateError::NewTexture => self.load_textures(&changes),
+                    // It may fit the textures as they are now.
+                    UpdateError::Refused(_) if self.is_unfit => self.rebuild_for_look(),
                     UpdateError::Refused(problems) if changes.len() == 1 => {
                         self.problems.look = problems;
                     }
@@ -211,7 +215,8 @@ impl Session {
     fn caught_up(&mut self) {
         self.problems.look = Diagnostics::new();
         // A texture that was in the way may not be wanted any more.
-        self.again.sources |= !self.problems.sources.is_empty();
+        let Problems { sources, gone, .. } = &self.problems;
+        self.again.sources |= self.is_unfit || !sources.is_empty() || !gone.is_empty();
         // Nor were files of the scene shown that came while the look was wrong.
         self.again.assets |= std::mem::take(&mut self.is_behind);
     }
@@ -365,7 +370,7 @@ impl Session {
             materialx: look.materialx,
             ..Look::empty(&path, look.file)
         };
-        let given = expanded(&documents, &*self.system.files);
+        let given = expanded(&documents, &*self.system.files, None);
         let (given, _) = given.map_err(|_| UpdateError::Rebuild)?;
         let mut materials = given.into_owned().materials.into_iter();
         Ok(materials.find(|material| material.name.value == name))

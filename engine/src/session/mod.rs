@@ -24,6 +24,7 @@
 //! | `[graph.NAME]` | nothing at all: it is of whoever shows the look as a graph |
 //! | keys of nodes, materials, AO tables; the sky's intensity and rotation; lights but for rectangles; the camera | writes to buffers (`follow.rs`) |
 //! | the source of a texture; a node of another texture | the texture kernel is built in the background, then swapped |
+//! | the same, where parameters that have values or links go or change their types | as the next line, for the look's sake |
 //! | what is made from the whole look (includes, documents of materials, images, which materials blend, tangents that something lies along for the first time), the scene, image files | the renderer is built anew in the background, then swapped |
 //!
 //! Until the swap the old picture goes on; if the build fails it stays, and [`Session::problems`] tells why. Nothing
@@ -119,6 +120,8 @@ pub struct Session {
     again: Again,
     /// Files of the scene have changed that could not be shown with a look that is wrong: once it is mended they are read again.
     is_behind: bool,
+    /// Textures have changed so that all has to be built anew, and that hasn't succeeded yet.
+    is_unfit: bool,
     /// The look's file isn't there any more.
     is_gone: bool,
     problems: Problems,
@@ -158,6 +161,8 @@ struct Problems {
     /// The moment that was asked for while something was built can't be shown: another one is.
     moment: Diagnostics,
     sources: Diagnostics,
+    /// Files of textures in use that aren't there any more.
+    gone: Diagnostics,
 }
 
 impl std::fmt::Debug for Session {
@@ -239,8 +244,9 @@ impl Session {
             scene,
             moment,
             sources,
+            gone,
         } = &self.problems;
-        let all = [file, look, scene, moment, sources].into_iter();
+        let all = [file, look, scene, moment, sources, gone].into_iter();
         all.flat_map(Diagnostics::iter).cloned().collect()
     }
 

@@ -5,18 +5,72 @@ use std::path::{Component, Path, PathBuf};
 
 use crate::input::FileId;
 use crate::scene::look::{Field, MODEL_IMAGE, Spanned, Value, find, parse_value, placed_fields};
-use crate::system::Files;
+use crate::system::{Disk, Files};
+
+use super::Document;
 
 /// Keys of nodes that name no file.
 const NO_FILES: [&str; 3] = ["texture", "occlusion", "occlusion1"];
 /// How names of images end.
 const ENDINGS: [&str; 8] = ["png", "jpg", "jpeg", "hdr", "exr", "webp", "bmp", "tga"];
+/// Bytes of text that steps back and forth are moved for, each with the whole look.
+const MOST_MOVED: usize = 4 << 20;
+
+impl Document {
+    /// It lies elsewhere from now on: as [`Self::set_path`], but in another folder text and history name the same files from there, as
+    /// [`Session::save_as`](super::Session::save_as) has it. Steps that are too many for that are forgotten, the farthest first. Whether
+    /// anything is named in another way, so that what was kept of its texts is no longer right.
+    pub fn move_to(&mut self, path: &Path) -> bool {
+        let folder = |path: &Path| path.parent().map(Path::to_owned).unwrap_or_default();
+        let folders = [folder(self.path()), folder(path)];
+        if is_same([&folders[0], &folders[1]]) {
+            self.set_path(path);
+            return false;
+        }
+        let done = self.done();
+        let there = self.in_folder(path, [&folders[0], &folders[1]]);
+        let Some(mut moved) = there else {
+            self.go_to(done);
+            self.set_path(path);
+            return false;
+        };
+        // Whoever made something of a revision is not to take this one for it.
+        while moved.revision() <= self.revision() {
+            moved.set_path(path);
+        }
+        *self = moved;
+        true
+    }
+
+    /// What it is in another folder: none where all of its texts are the same there, or one is no look. Leaves this one at any step.
+    fn in_folder(&mut self, path: &Path, folders: [&Path; 2]) -> Option<Self> {
+        let labels: Vec<String> = self.steps().map(str::to_owned).collect();
+        let done = self.done();
+        let reach = (MOST_MOVED / self.text().len().max(1)).max(1);
+        let last = labels.len().min(done + reach);
+        self.go_to(done.saturating_sub(reach));
+        let text = moved(&Disk, self.text(), folders);
+        let mut is_other = text != self.text();
+        let mut there = Self::new(path, &text).ok()?;
+        let mut done_there = 0;
+        for (number, label) in (1..).zip(&labels).take(last).skip(self.done()) {
+            self.go_to(number);
+            let text = moved(&Disk, self.text(), folders);
+            is_other |= text != self.text();
+            there.replace(label, &text).ok()?;
+            if number == done {
+                done_there = there.done();
+            }
+        }
+        there.go_to(done_there);
+        is_other.then_some(there)
+    }
+}
 
 /// A look's text as it is to be written in the folder `to`, where it was in the folder `from`; "" is the one of now. Whatever isn't a path
 /// relative to it stays to the byte, and so does all of it where both are the same folder.
 pub(super) fn moved(files: &dyn Files, text: &str, [from, to]: [&Path; 2]) -> String {
-    let is_same = from == to || FileId::of(&here(from)) == FileId::of(&here(to));
-    if is_same {
+    if is_same([from, to]) {
         return text.to_owned();
     }
     let mut moved = text.to_owned();
@@ -36,6 +90,11 @@ pub(super) fn moved(files: &dyn Files, text: &str, [from, to]: [&Path; 2]) -> St
         }
     }
     moved
+}
+
+/// Whether both are one folder.
+fn is_same([one, other]: [&Path; 2]) -> bool {
+    one == other || FileId::of(&here(one)) == FileId::of(&here(other))
 }
 
 /// The relative paths in a text, each with its place.
@@ -234,6 +293,52 @@ file = 'tex/car.glb'
         let lines = LOOK.replace('\n', "\r\n");
         let moved = moved(&Disk, &lines, [folder.path(), &to]);
         assert_eq!(moved, expected.replace('\n', "\r\n"));
+    }
+
+    #[test]
+    fn what_was_done_names_the_same_files_too() {
+        let folder = folder(&["tex/sky.hdr", "looks/a"]);
+        let there = folder.path().join("looks/a.look.toml");
+        let look = |image: &str, exposure: f32| {
+            format!("environment = {{ image = '{image}' }}\n[view]\nexposure = {exposure:?}\n")
+        };
+        let path = folder.path().join("a.look.toml");
+        let mut document = Document::new(&path, &look("tex/sky.hdr", 0.0)).expect("a look");
+        let steps = [
+            ("brighter", look("tex/sky.hdr", 1.0)),
+            // The same file, so that it is no step there.
+            ("renamed", look("./tex/sky.hdr", 1.0)),
+            ("dark", "# Nothing.\n".to_owned()),
+            ("lit", look("tex/sky.hdr", 2.0)),
+        ];
+        for (label, text) in &steps {
+            document.replace(label, text).expect("a look");
+        }
+        document.go_to(3);
+        let revision = document.revision();
+        assert!(document.move_to(&there));
+        assert!(document.revision() > revision);
+        assert_eq!(document.path(), there);
+        assert_eq!(document.text(), steps[2].1);
+        assert!(document.steps().eq(["brighter", "dark", "lit"]));
+        assert_eq!(document.done(), 2);
+        assert!(document.redo());
+        assert_eq!(document.text(), look("../tex/sky.hdr", 2.0));
+        assert!(document.go_to(1));
+        assert_eq!(document.text(), look("../tex/sky.hdr", 1.0));
+        assert!(document.undo() && !document.undo());
+        assert_eq!(document.text(), look("../tex/sky.hdr", 0.0));
+        // Where nothing is named, nothing happens to it.
+        let mut plain = Document::new(&path, "[view]\nexposure = 0.0\n").expect("a look");
+        for exposure in [1.0, 2.0] {
+            let text = format!("[view]\nexposure = {exposure:?}\n");
+            plain.replace("view", &text).expect("a look");
+        }
+        plain.undo();
+        assert!(!plain.move_to(&there));
+        assert_eq!((plain.path(), plain.done()), (&*there, 1));
+        assert_eq!(plain.text(), "[view]\nexposure = 1.0\n");
+        assert_eq!(plain.steps().count(), 2);
     }
 
     #[test]

@@ -242,6 +242,7 @@ impl Opening {
             job: None,
             again: Again::default(),
             is_behind: false,
+            is_unfit: false,
             is_gone: false,
             problems: Problems::default(),
             warnings,

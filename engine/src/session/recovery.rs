@@ -4,8 +4,10 @@ use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
 use crate::aside;
+use crate::system::Disk;
 
 use super::Inputs;
+use super::moved::moved;
 
 /// How the file's name ends; a number follows where there are others.
 const ENDING: &str = ".recovered";
@@ -13,11 +15,13 @@ const ENDING: &str = ".recovered";
 const MOST: u32 = 1000;
 
 /// Where the edits of a look are kept that could not be saved: beside it, or where that can't be written, in the folder for temporary
-/// files. What was kept at former times stays.
+/// files: what it names relative to its folder is named from there, then. What was kept at former times stays.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Recovery {
     /// Its ending and a number are added.
     beside: PathBuf,
+    /// Where the look's paths begin: without a file, where the program was started.
+    folder: PathBuf,
     kept: Option<PathBuf>,
 }
 
@@ -25,7 +29,9 @@ impl Recovery {
     /// Of the look that is rendered; without a file it would lie beside the scene.
     pub fn of(inputs: &Inputs) -> Self {
         let beside = inputs.look.clone();
+        let folder = beside.as_deref().and_then(Path::parent);
         Self {
+            folder: folder.map(Path::to_owned).unwrap_or_default(),
             beside: beside.unwrap_or_else(|| inputs.scene.with_extension("look.toml")),
             kept: None,
         }
@@ -37,8 +43,10 @@ impl Recovery {
     /// What the system says of the file beside the look, where there is none in the folder for temporary files, either.
     pub fn keep(&mut self, text: &str) -> io::Result<&Path> {
         let former = self.kept.take();
-        let again = former
-            .filter(|path| aside::replace(path, |file| file.write_all(text.as_bytes())).is_ok());
+        let again = former.filter(|path| {
+            let text = self.moved(text, aside::folder_of(path));
+            aside::replace(path, |file| file.write_all(text.as_bytes())).is_ok()
+        });
         let kept = match again {
             Some(path) => path,
             None => {
@@ -50,9 +58,15 @@ impl Recovery {
         Ok(self.kept.insert(kept).as_path())
     }
 
+    /// A text as it is to be written in a folder.
+    fn moved(&self, text: &str, folder: &Path) -> String {
+        moved(&Disk, text, [&self.folder, folder])
+    }
+
     /// In a file of a folder that wasn't there.
     fn keep_in(&self, folder: &Path, text: &str) -> io::Result<PathBuf> {
         let name = self.beside.file_name().unwrap_or_default();
+        let text = self.moved(text, folder);
         for number in 1..=MOST {
             let mut name = name.to_owned();
             name.push(ENDING);
@@ -128,5 +142,42 @@ mod tests {
         };
         let beside = Recovery::of(&inputs).beside;
         assert_eq!(beside, Path::new("a/scene.look.toml"));
+    }
+
+    #[test]
+    fn edits_kept_elsewhere_name_the_same_files() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let look = |image: &str| format!("environment = {{ image = '{image}' }} # sky\n");
+        // Without a file it begins where the program was started, and is kept beside the scene.
+        let mut recovery = Recovery::of(&Inputs {
+            scene: folder.path().join("scene.gltf"),
+            look: None,
+            textures: Vec::new(),
+            camera: None,
+        });
+        let root = std::env::current_dir().expect("a folder");
+        let sky = |path: &Path| {
+            let text = std::fs::read_to_string(path).expect("it is there");
+            let name = text.split('\'').nth(1).expect("an image").to_owned();
+            let image = path.parent().expect("a folder").join(name);
+            let there = image.parent().expect("a folder").canonicalize();
+            (there.expect("it is there"), text.ends_with(" # sky\n"))
+        };
+        let root = (root.canonicalize().expect("a folder"), true);
+        // What was kept before is replaced by what was done since then.
+        for name in ["sky.hdr", "other.hdr"] {
+            let path = recovery.keep(&look(name)).expect("kept").to_owned();
+            assert_eq!(path, folder.path().join("scene.look.toml.recovered"));
+            assert_eq!(sky(&path), root, "{name}");
+        }
+    }
+
+    #[test]
+    fn edits_kept_beside_the_look_are_kept_to_the_byte() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let text = "environment = { image = './tex//sky.hdr' }\n";
+        let mut recovery = recovery(&folder.path().join("a.look.toml"));
+        let path = recovery.keep(text).expect("kept").to_owned();
+        assert_eq!(std::fs::read_to_string(&path).expect("it is there"), text);
     }
 }

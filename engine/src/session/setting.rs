@@ -86,9 +86,12 @@ impl Edit {
     }
 }
 
-/// A value as in a look; what is no value of TOML is a text.
+/// A value as in a look; what is no value of TOML is a number that others would write so, as `.5`, or a text, as `007` is.
 fn value_of(text: &str) -> Value {
-    let bare = || Value::Text(text.to_owned());
+    let bare = || match text.parse::<f64>() {
+        Ok(number) if number.is_finite() && !text.starts_with('0') => Value::Float(number),
+        _ => Value::Text(text.to_owned()),
+    };
     let line = format!("[camera]\nvalue = {text}\n");
     let Ok(document) = LookDocument::parse(Path::new(""), &line) else {
         return bare();
@@ -163,6 +166,13 @@ mod tests {
         };
         assert_eq!(section, Section::Environment);
         assert!(matches!(value, Value::List(items) if items.len() == 3));
+        for (text, number) in [(".2", 0.2), ("+.5", 0.5), ("-.25", -0.25), ("3.", 3.0)] {
+            let edit = parsed(&format!("view.exposure={text}"));
+            assert_eq!(
+                edit,
+                Edit::set(Section::View, "exposure", Value::Float(number))
+            );
+        }
         // More than a value is a text.
         let text = parsed("camera.name=1\nz=2");
         assert_eq!(text, Edit::camera("name", Value::Text("1\nz=2".to_owned())));

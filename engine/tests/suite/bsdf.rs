@@ -87,7 +87,7 @@ fn evaluate(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) g
 fn sample(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let i = id.y * groups.x * 64u + id.x;
     if (2u * i + 1u >= arrayLength(&data)) { return; }
-    let s = bsdf_sample(material(), lobes(material(), params.wo), params.wo, vec2f(random(i, 0u), random(i, 1u)));
+    let s = bsdf_sample(material(), lobes(material(), params.wo), params.wo, vec3f(random(i, 0u), random(i, 1u), random(i, 2u)));
     data[2u * i] = vec4f(s.wi, s.pdf);
     data[2u * i + 1u] = vec4f(s.weight, 0.0);
 }
@@ -425,6 +425,28 @@ fn weights_are_the_ratio_of_value_and_density() {
                     );
                 }
                 assert!((pdf / value[3] - 1.0).abs() < 2e-3, "{name}");
+            }
+        }
+    }
+}
+
+#[test]
+fn no_sample_of_rough_glass_counts_for_much_more_than_others() {
+    let Some(harness) = Harness::open(true) else {
+        return;
+    };
+    for eta in [1.5, 1.0 / 1.5, 2.4, 1.0 / 2.4] {
+        for roughness in [0.0, 0.1, 0.2, 0.4, 0.6] {
+            for cosine in [0.95, 0.76, 0.7, 0.4, 0.1] {
+                let params = glass(eta, plain(roughness, cosine));
+                // As power: radiance is denser inside.
+                let largest = (harness.samples(&params, 1 << 14).iter())
+                    .map(|s| s.2.x * if s.0.z < 0.0 { eta * eta } else { 1.0 })
+                    .fold(0.0, f32::max);
+                assert!(
+                    largest < 1.6,
+                    "index {eta}, roughness {roughness}, cosine {cosine}: {largest}"
+                );
             }
         }
     }

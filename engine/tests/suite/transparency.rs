@@ -510,6 +510,30 @@ fn coarse_meshes_with_smooth_normals_have_no_dark_facets() {
 }
 
 #[test]
+fn coarse_meshes_with_smooth_normals_have_no_dark_rim() {
+    let Some(device) = device::open() else { return };
+    for rings in [6, 8, 16] {
+        let mut scene = scene([(smooth_sphere(rings), lambert(Vec3::ONE))], Vec3::ONE);
+        let camera = camera(
+            Vec3::new(0.0, 1.0, 4.0),
+            Vec3::ZERO,
+            Vec3::Y,
+            Projection::Orthographic { y_mag: 1.1 },
+        );
+        let shot = Shot {
+            size: (48, 48),
+            max_depth: 4,
+            spp: 64,
+        };
+        // Where its triangles are seen the normals of their corners face away, where all is white.
+        let film = render(&device, &mut scene, &camera, shot);
+        let darkest = film.mean().iter().map(|pixel| pixel[1]).reduce(f32::min);
+        let darkest = darkest.expect("there are pixels");
+        assert!(darkest > 0.93, "{rings} rings: {darkest}");
+    }
+}
+
+#[test]
 fn nothing_leaks_into_a_coarse_sphere() {
     let Some(device) = device::open() else { return };
     let shell = Material {

@@ -1,8 +1,11 @@
 //! What an input has: its own value, or what it is connected to, through graphs in graphs.
 
+use std::collections::HashSet;
 use std::rc::Rc;
 
-use crate::document::{Document, ElementId};
+use texgen::did_you_mean;
+
+use crate::document::{Document, Element, ElementId};
 use crate::types::{Type, numbers, to_linear};
 use crate::value::Value;
 
@@ -85,7 +88,7 @@ impl Results {
     }
 }
 
-impl Converter<'_> {
+impl<'d> Converter<'d> {
     /// The input of an element by its name; `None` where nothing is given, or what is given can't be had (which is warned of).
     pub(crate) fn input(
         &mut self,
@@ -169,7 +172,7 @@ impl Converter<'_> {
         if let Some(given) = document.input(caller.node, name) {
             return self.connected(&caller.scope, given);
         }
-        let Some(declared) = document.declared(caller.definition, name) else {
+        let Some(declared) = document.input(caller.definition, name) else {
             return self.missing(id, "input", name);
         };
         let element = document.element(declared);
@@ -232,12 +235,7 @@ impl Converter<'_> {
         }
         let name = element.attribute("nodegraph")?;
         let graph = document.child(Document::ROOT, "nodegraph", name)?;
-        let outputs = document.children(graph).iter().copied();
-        let mut outputs = outputs.filter(|&child| document.element(child).kind == "output");
-        let output = match element.attribute("output") {
-            Some(name) => outputs.find(|&output| document.element(output).name() == name),
-            None => outputs.next(),
-        }?;
+        let output = document.output(graph, element.attribute("output"))?;
         let node = document.named(graph, document.element(output).attribute("nodename")?)?;
         Some((Scope::graph(graph), node))
     }
@@ -250,14 +248,7 @@ impl Converter<'_> {
         user: ElementId,
         wanted: Option<&str>,
     ) -> Option<Value> {
-        let document = self.document;
-        let outputs = document.children(graph).iter().copied();
-        let mut outputs = outputs.filter(|&child| document.element(child).kind == "output");
-        let found = match wanted {
-            Some(name) => outputs.find(|&output| document.element(output).name() == name),
-            None => outputs.next(),
-        };
-        match found {
+        match self.document.output(graph, wanted) {
             Some(output) => self.connected(scope, output),
             None => self.missing(user, "output", wanted.unwrap_or("out")),
         }
@@ -272,7 +263,8 @@ impl Converter<'_> {
     ) -> Option<Value> {
         let key = (scope.key.clone(), id);
         if let Some(done) = self.done.get(&key) {
-            return done.as_ref().and_then(|results| results.take(output));
+            let taken = done.as_ref().map(|results| results.take(output));
+            return self.taken(id, output, taken);
         }
         if self.open.contains(&key) || self.open.len() >= MAX_DEPTH {
             self.warn(
@@ -290,30 +282,92 @@ impl Converter<'_> {
             None => self.leaf(scope, id),
         };
         self.open.pop();
-        let value = results.as_ref().and_then(|results| results.take(output));
+        let taken = results.as_ref().map(|results| results.take(output));
         self.done.insert(key, results);
-        value
+        self.taken(id, output, taken)
+    }
+
+    /// What was taken of a node's outputs, if the node gives anything; names outputs that it hasn't.
+    fn taken(
+        &mut self,
+        id: ElementId,
+        output: Option<&str>,
+        taken: Option<Option<Value>>,
+    ) -> Option<Value> {
+        if let (Some(None), Some(output)) = (&taken, output) {
+            // An output that a definition has but that gives nothing has been warned of.
+            let graph = self.definition(id).map(|(_, graph)| graph);
+            let is_known = graph.and_then(|graph| self.document.output(graph, Some(output)));
+            if is_known.is_none() {
+                return self.missing(id, "output", output);
+            }
+        }
+        taken.flatten()
     }
 
     /// The definition of a node as a graph, where the document has one. Of several that give its type those count that take all that
     /// the node is given, or else all.
-    fn definition(&self, id: ElementId) -> Option<(ElementId, ElementId)> {
+    fn definition(&mut self, id: ElementId) -> Option<(ElementId, ElementId)> {
         let document = self.document;
         let node = document.element(id);
         let definition = match node.attribute("nodedef") {
             Some(name) => document.child(Document::ROOT, "nodedef", name),
+            None if document.definitions(&node.kind).is_empty() => None,
             None => {
-                let definitions = document.definitions(&node.kind).iter().copied();
-                let giving: Vec<ElementId> = definitions
-                    .filter(|&definition| self.gives(definition, id))
-                    .collect();
-                let mut taking = giving.clone();
-                taking.retain(|&definition| self.takes(definition, id));
-                let fitting = if taking.is_empty() { giving } else { taking };
-                self.of_version(&fitting, node.attribute("version"))
+                let signature = self.signature(id);
+                match self.definitions.get(&signature) {
+                    Some(known) => *known,
+                    None => {
+                        let found = self.fitting(id);
+                        self.definitions.insert(signature, found);
+                        found
+                    }
+                }
             }
         }?;
         Some((definition, document.implementation(definition)?))
+    }
+
+    /// All that chooses the definition of a node: many nodes share it.
+    fn signature(&self, id: ElementId) -> String {
+        let document = self.document;
+        let node = document.element(id);
+        let of = |name| node.attribute(name).unwrap_or("");
+        let mut signature = format!("{}\n{}\n{}", node.kind, of("type"), of("version"));
+        for given in self.inputs_of(id) {
+            let ty = given.attribute("type").unwrap_or("");
+            for part in [given.name(), ty] {
+                signature.push('\n');
+                signature.push_str(part);
+            }
+        }
+        signature
+    }
+
+    /// What a node is given, itself.
+    fn inputs_of(&self, id: ElementId) -> impl Iterator<Item = &'d Element> {
+        let document = self.document;
+        let children = document.children(id).iter();
+        let inside = children.map(|&child| document.element(child));
+        inside.filter(|child| matches!(&*child.kind, "input" | "parameter"))
+    }
+
+    /// Of the definitions of a node's category the one that counts.
+    fn fitting(&mut self, id: ElementId) -> Option<ElementId> {
+        let document = self.document;
+        let node = document.element(id);
+        let definitions = document.definitions(&node.kind);
+        // Each that is looked at is a step: there may be as many as nodes.
+        self.steps = self.steps.saturating_add(definitions.len());
+        if self.is_full(id) {
+            return None;
+        }
+        let mut giving = definitions.to_vec();
+        giving.retain(|&definition| self.gives(definition, id));
+        let mut taking = giving.clone();
+        taking.retain(|&definition| self.takes(definition, id));
+        let fitting = if taking.is_empty() { giving } else { taking };
+        self.of_version(&fitting, node.attribute("version"))
     }
 
     /// Of several definitions the one of a version, or else the default one, or else the first (MaterialX specification, "Versioned
@@ -335,35 +389,31 @@ impl Converter<'_> {
     }
 
     /// Whether a definition has an output of a node's type. Those that it inherits count where it declares none.
-    fn gives(&self, definition: ElementId, node: ElementId) -> bool {
+    fn gives(&mut self, definition: ElementId, node: ElementId) -> bool {
         let document = self.document;
         let Some(ty) = document.element(node).attribute("type") else {
             return true;
         };
-        let mut types = document.lineage(definition).map(|at| {
-            let children = document.children(at).iter();
-            let outputs = children.map(|&child| document.element(child));
-            let outputs = outputs.filter(|child| child.kind == "output");
-            let declaring = std::iter::once(document.element(at)).chain(outputs);
-            let types = declaring.filter_map(|element| element.attribute("type"));
-            types.collect::<Vec<_>>()
+        let types = self.output_types.entry(definition).or_insert_with(|| {
+            let mut types = document.lineage(definition).map(|at| {
+                let children = document.children(at).iter();
+                let outputs = children.map(|&child| document.element(child));
+                let outputs = outputs.filter(|child| child.kind == "output");
+                let declaring = std::iter::once(document.element(at)).chain(outputs);
+                let types = declaring.filter_map(|element| element.attribute("type"));
+                types.collect::<Vec<_>>()
+            });
+            types.find(|types| !types.is_empty()).unwrap_or_default()
         });
-        ty == "multioutput"
-            || types
-                .find(|types| !types.is_empty())
-                .is_some_and(|types| types.contains(&ty))
+        ty == "multioutput" || types.contains(&ty)
     }
 
     /// Whether a definition declares all inputs that a node is given, with their types.
     fn takes(&self, definition: ElementId, node: ElementId) -> bool {
-        let document = self.document;
-        let children = document.children(node).iter();
-        let inside = children.map(|&child| document.element(child));
-        let mut given = inside.filter(|child| matches!(&*child.kind, "input" | "parameter"));
-        given.all(|given| {
-            let declared = document.declared(definition, given.name());
+        self.inputs_of(node).all(|given| {
+            let declared = self.document.input(definition, given.name());
             declared.is_some_and(|declared| {
-                document.element(declared).attribute("type") == given.attribute("type")
+                self.document.element(declared).attribute("type") == given.attribute("type")
             })
         })
     }
@@ -389,16 +439,55 @@ impl Converter<'_> {
             self.warn(node, "graphs in graphs, more than 32 deep, give nothing");
             return None;
         }
+        if self.checked.insert(node) {
+            self.name_strangers(node, definition);
+        }
         let mut values = Vec::new();
-        for &child in document.children(graph) {
-            let element = document.element(child);
-            if element.kind == "output"
-                && let Some(value) = self.connected(&inner, child)
-            {
-                values.push((element.name().to_owned(), value));
+        let mut seen = HashSet::new();
+        for at in document.lineage(graph) {
+            for &child in document.children(at) {
+                let element = document.element(child);
+                if element.kind == "output"
+                    && seen.insert(element.name())
+                    && let Some(value) = self.connected(&inner, child)
+                {
+                    values.push((element.name().to_owned(), value));
+                }
             }
         }
         Some(Results::Named(values))
+    }
+
+    /// Warns of what a node is given and its definition doesn't declare.
+    fn name_strangers(&mut self, node: ElementId, definition: ElementId) {
+        /// Among more inputs nothing near is looked for.
+        const MAX_NEAR: usize = 100;
+        let document = self.document;
+        let mut known: Option<Vec<&str>> = None;
+        for &child in document.children(node) {
+            let element = document.element(child);
+            if !matches!(&*element.kind, "input" | "parameter")
+                || document.input(definition, element.name()).is_some()
+            {
+                continue;
+            }
+            let known = known.get_or_insert_with(|| {
+                let declared = document.lineage(definition);
+                let declared = declared.flat_map(|at| self.inputs_of(at));
+                declared.map(Element::name).take(MAX_NEAR).collect()
+            });
+            self.stranger(node, child, known);
+        }
+    }
+
+    /// Warns of an input that its node hasn't, with the nearest one that it has.
+    pub(crate) fn stranger(&mut self, node: ElementId, input: ElementId, known: &[&str]) {
+        let document = self.document;
+        let (kind, name) = (&document.element(node).kind, document.element(input).name());
+        let near = did_you_mean(name, known.iter().copied());
+        let near = near.map_or_else(String::new, |near| format!("; did you mean `{near}`?"));
+        let message = format!("`{kind}` has no input `{name}`: it has no effect{near}");
+        self.warn(input, message);
     }
 
     /// What the name of a node's node in the look begins with, and its own name.

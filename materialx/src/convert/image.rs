@@ -3,6 +3,7 @@
 use std::path::{Component, Path, PathBuf};
 
 use crate::document::ElementId;
+use crate::types::Type;
 use crate::value::Value;
 
 use super::Converter;
@@ -32,13 +33,26 @@ impl Converter<'_> {
             );
             return None;
         }
+        let start = self.files.read_start(&path, 12);
+        if start.is_ok_and(|start| !is_readable(&start)) {
+            let message = format!(
+                "the image {} is no PNG, JPEG or WebP; its default stands for it",
+                path.display()
+            );
+            self.warn(id, message);
+            return None;
+        }
         let space = document.inherited(id, "colorspace").unwrap_or("lin_rec709");
         let is_srgb = matches!(space, "srgb_texture" | "srgb_rec709_scene" | "srgb");
         let is_linear = matches!(
             space,
             "lin_rec709" | "lin_rec709_scene" | "none" | "raw" | "linear"
         );
-        if !is_srgb && !is_linear {
+        // Numbers of other types than colours aren't converted in MaterialX either.
+        let node = document.element(id).parent;
+        let ty = node.and_then(|node| document.element(node).attribute("type"));
+        let ty = Type::of(ty.unwrap_or(""));
+        if !is_srgb && !is_linear && (ty.is_color() || ty == Type::Other) {
             self.warn(
                 id,
                 format!("images of the colour space `{space}` are not converted: its numbers are taken for linear Rec.709"),
@@ -49,6 +63,12 @@ impl Converter<'_> {
             is_srgb,
         })
     }
+}
+
+/// Whether a file that begins so is an image that looks can have.
+fn is_readable(start: &[u8]) -> bool {
+    let is_webp = start.starts_with(b"RIFF") && start.get(8..12) == Some(b"WEBP");
+    is_webp || start.starts_with(b"\x89PNG") || start.starts_with(&[0xff, 0xd8, 0xff])
 }
 
 /// A path as it is written in a file of that folder.
@@ -100,6 +120,16 @@ fn plain(path: &Path) -> PathBuf {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn images_are_known_by_their_contents() {
+        assert!(is_readable(b"\x89PNG\r\n\x1a\n\0\0\0\r"));
+        assert!(is_readable(b"RIFF\x24\0\0\0WEBP"));
+        assert!(is_readable(&[0xff, 0xd8, 0xff, 0xe0]));
+        assert!(!is_readable(b"II*\0"));
+        assert!(!is_readable(b"#?RADIANCE\n"));
+        assert!(!is_readable(b""));
+    }
 
     #[test]
     fn paths_are_relative_to_the_look() {

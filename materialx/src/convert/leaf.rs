@@ -192,6 +192,11 @@ impl Converter<'_> {
                 ),
             }
         }
+        // Of all types this one alone has the other order where none is given.
+        let has_order = document.input(id, "operationorder").is_some();
+        if kind == "gltf_image" && whole_type(document.element(id)) == Type::Color4 && !has_order {
+            arguments.push(("operationorder".to_owned(), look::Value::Integer(1)));
+        }
         if texture.parameter("bounds").is_some() {
             let bounds = self.bounds(scope, id);
             if bounds != 0 {
@@ -320,10 +325,8 @@ fn is_name(parameter: &str, name: &str) -> bool {
 
 /// The input of a node that a parameter has, as it is written there.
 fn input_name(document: &crate::Document, id: ElementId, parameter: &str) -> Option<String> {
-    let names = document
-        .children(id)
-        .iter()
-        .map(|&child| document.element(child).name());
+    let inside = document.lineage(id).flat_map(|at| document.children(at));
+    let names = inside.map(|&child| document.element(child).name());
     let mut same = names.filter(|name| is_name(parameter, &name.to_ascii_lowercase()));
     same.next().map(str::to_owned)
 }

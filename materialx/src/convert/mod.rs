@@ -63,6 +63,9 @@ pub struct Wanted {
     pub folder: PathBuf,
     /// Names that other documents' nodes have.
     pub taken: HashSet<String>,
+    /// Where they are known, the names of materials that are of use: others are left out with a warning, if there are any of
+    /// these.
+    pub known: Option<HashSet<String>>,
 }
 
 /// More nodes a document doesn't become: graphs in graphs could multiply without end.
@@ -85,8 +88,15 @@ pub(crate) struct Converter<'d> {
     open: Vec<(String, ElementId)>,
     /// How many connections are being followed, each from the one before.
     pub(crate) depth: usize,
-    /// How many nodes have been looked at.
+    /// How many nodes, and definitions for them, have been looked at.
     steps: usize,
+    /// Definitions by all that chooses one, and the types of what each gives.
+    definitions: HashMap<String, Option<ElementId>>,
+    output_types: HashMap<ElementId, Vec<&'d str>>,
+    /// Nodes whose inputs have been held against their definitions.
+    checked: HashSet<ElementId>,
+    /// The number that the next node of a name has behind it.
+    next_numbers: HashMap<String, usize>,
     /// Places that all share, by their textures.
     places: HashMap<&'static str, String>,
     /// What has been warned of once.
@@ -105,6 +115,10 @@ impl<'d> Converter<'d> {
             open: Vec::new(),
             depth: 0,
             steps: 0,
+            definitions: HashMap::new(),
+            output_types: HashMap::new(),
+            checked: HashSet::new(),
+            next_numbers: HashMap::new(),
             places: HashMap::new(),
             warned: HashSet::new(),
         }
@@ -154,10 +168,10 @@ impl<'d> Converter<'d> {
             plain
         };
         let mut name = plain.clone();
-        let mut number = 2;
         while !self.names.insert(name.clone()) {
+            let number = self.next_numbers.entry(plain.clone()).or_insert(2);
             name = format!("{plain}_{number}");
-            number += 1;
+            *number += 1;
         }
         name
     }

@@ -2,7 +2,8 @@
 
 use std::rc::Rc;
 
-use texgen::OutputType;
+use scene::look;
+use texgen::{OutputType, ParameterType};
 
 use crate::document::ElementId;
 use crate::types::Type;
@@ -19,6 +20,7 @@ impl Converter<'_> {
         }
         let element = self.document.element(id);
         let ty = Type::of(element.attribute("type").unwrap_or(""));
+        self.warn_of_strangers(id);
         let value = match &*element.kind {
             "constant" => self
                 .input(scope, id, "value")
@@ -45,6 +47,9 @@ impl Converter<'_> {
                 let value = self.given(scope, id, "in");
                 Some(self.converted(scope, id, &value, ty))
             }
+            "normalmap" if self.word(scope, id, "space").as_deref() == Some("object") => {
+                self.object_normal(scope, id)
+            }
             "combine2" | "combine3" | "combine4" => Some(self.combined(scope, id, ty)),
             "texcoord" => Some(self.texcoord(scope, id, ty)),
             "position" => Some(self.spaced(scope, id, "mx_position", "mx_position_world")),
@@ -68,6 +73,56 @@ impl Converter<'_> {
             _ => return None,
         };
         Some(value.map(Results::One))
+    }
+
+    /// Warns of what is given to inputs that such a node hasn't.
+    fn warn_of_strangers(&mut self, id: ElementId) {
+        let document = self.document;
+        let known: &[&str] = match &*document.element(id).kind {
+            "constant" => &["value"],
+            "convert" | "separate2" | "separate3" | "separate4" => &["in"],
+            "combine2" => &["in1", "in2"],
+            "combine3" => &["in1", "in2", "in3"],
+            "combine4" => &["in1", "in2", "in3", "in4"],
+            "extract" => &["in", "index"],
+            "swizzle" => &["in", "channels"],
+            _ => return,
+        };
+        for &child in document.children(id) {
+            let element = document.element(child);
+            let is_input = matches!(&*element.kind, "input" | "parameter");
+            if is_input && !known.contains(&element.name()) {
+                self.stranger(id, child, known);
+            }
+        }
+    }
+
+    /// What a normal map of version 1.38 in the object's space holds, as MaterialX's own upgrade to 1.39 takes it.
+    fn object_normal(&mut self, scope: &Rc<Scope>, id: ElementId) -> Option<Value> {
+        let given = self.input(scope, id, "in")?;
+        let name = self.look_name(scope, id);
+        let doubled = self.product(&format!("{name}_doubled"), &given, &Value::number(2.0));
+        let vector = self.sum(&format!("{name}_vector"), &doubled, &Value::number(-1.0));
+        let ty = Type::Vector3;
+        match vector {
+            Value::Numbers(_, [x, y, z, _]) => {
+                let length = (x * x + y * y + z * z).sqrt().max(1e-30);
+                Some(Value::Numbers(ty, [x, y, z, 0.0].map(|part| part / length)))
+            }
+            Value::Link(link) => {
+                let text = link.text(ParameterType::Vec3, false);
+                let arguments = vec![("in".to_owned(), look::Value::Text(text))];
+                let texture = "mx_normalize_3";
+                Some(Value::Link(self.add(
+                    &name,
+                    texture,
+                    arguments,
+                    ty,
+                    OutputType::Vec3,
+                )))
+            }
+            _ => None,
+        }
     }
 
     /// What an input has; 0 where it has nothing.

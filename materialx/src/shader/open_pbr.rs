@@ -56,16 +56,19 @@ pub(super) fn convert(s: &mut Surface<'_, '_>) {
     let is_thin = s.is_on("geometry_thin_walled");
     if !subsurface.is(0.0) {
         let color = s.color("subsurface_color", 0.8);
-        body = s.mixed("subsurface", &body, &color, &subsurface);
-        match is_thin {
-            true => {
-                s.set("diffuse_transmission", &subsurface, 0.0, 1.0);
-                s.set_color("diffuse_transmission_color", &color, 1.0);
-            }
-            false => s.warn(
+        let (through, back) = match is_thin {
+            true => thin_walled(s, &subsurface),
+            false => (Value::number(0.0), subsurface),
+        };
+        body = s.mixed("subsurface", &body, &color, &back);
+        if is_thin {
+            s.set("diffuse_transmission", &through, 0.0, 1.0);
+            s.set_color("diffuse_transmission_color", &color, 1.0);
+        } else {
+            s.warn(
                 "subsurface_weight",
                 "subsurface scattering is shown as a diffuse surface of its colour",
-            ),
+            );
         }
     }
     let (weight, color) = (
@@ -147,6 +150,23 @@ pub(super) fn convert(s: &mut Surface<'_, '_>) {
         "diffuse surfaces are Lambertian",
     );
     s.ignores("transmission_scatter", 0.0, "bodies don't scatter");
+}
+
+/// Of the subsurface scattering of a thin wall, whose weight is given: the share of diffuse light that goes through, and which part
+/// of the rest comes back with the same colour instead of the base's. Light goes to both sides alike, or more forwards (OpenPBR
+/// 1.1, "Thin-walled case").
+fn thin_walled(s: &mut Surface<'_, '_>, weight: &Value) -> (Value, Value) {
+    let forwards = s.number("subsurface_scatter_anisotropy", 0.0);
+    let (Some([w, ..]), Some([g, ..])) = (weight.known(), forwards.known()) else {
+        for input in ["subsurface_weight", "subsurface_scatter_anisotropy"] {
+            s.ignores_node(input, "all of the scattered light goes through");
+        }
+        return (weight.clone(), Value::number(0.0));
+    };
+    let (w, g) = (w.clamp(0.0, 1.0), g.clamp(-1.0, 1.0));
+    let through = w * (1.0 + g) / 2.0;
+    let back = w * (1.0 - g) / 2.0 / (1.0 - through).max(1e-6);
+    (Value::number(through), Value::number(back.min(1.0)))
 }
 
 /// The index of an opaque body relative to the coat on it, where both are known.

@@ -51,22 +51,30 @@ pub(super) const INPUTS: &[&str] = &[
 ];
 
 pub(super) fn convert(s: &mut Surface<'_, '_>) {
-    let (base, color) = (s.number("base", 1.0), s.color("base_color", 0.8));
+    // The first version has these two the other way round.
+    let defaults = match s.is_of_version("1") {
+        true => (0.8, 1.0),
+        false => (1.0, 0.8),
+    };
+    let (base, color) = (
+        s.number("base", defaults.0),
+        s.color("base_color", defaults.1),
+    );
     let mut body = s.product("base", &color, &base);
     let subsurface = s.number("subsurface", 0.0);
     let is_thin = s.is_on("thin_walled");
     if !subsurface.is(0.0) {
         let color = s.color("subsurface_color", 1.0);
-        body = s.mixed("subsurface", &body, &color, &subsurface);
-        match is_thin {
-            true => {
-                s.set("diffuse_transmission", &subsurface, 0.0, 1.0);
-                s.set_color("diffuse_transmission_color", &color, 1.0);
-            }
-            false => s.warn(
+        if is_thin {
+            // What isn't reflected by the base goes through.
+            s.set("diffuse_transmission", &subsurface, 0.0, 1.0);
+            s.set_color("diffuse_transmission_color", &color, 1.0);
+        } else {
+            body = s.mixed("subsurface", &body, &color, &subsurface);
+            s.warn(
                 "subsurface",
                 "subsurface scattering is shown as a diffuse surface of its colour",
-            ),
+            );
         }
     }
     let (weight, color) = (
@@ -92,7 +100,8 @@ pub(super) fn convert(s: &mut Surface<'_, '_>) {
     s.set("ior", &ior, 1.0, f32::MAX);
     if !anisotropy.is(0.0) {
         let turns = s.number("specular_rotation", 0.0);
-        let degrees = s.product("rotation", &turns, &Value::number(360.0));
+        // MaterialX turns the tangent clockwise, glTF counter-clockwise.
+        let degrees = s.product("rotation", &turns, &Value::number(-360.0));
         s.set("anisotropy_rotation", &degrees, -360.0, 360.0);
         s.ignores_link(
             "tangent",

@@ -3,12 +3,28 @@
 use std::rc::Rc;
 
 use scene::look;
-use texgen::{OutputType, ParameterType, did_you_mean};
+use texgen::{OutputType, ParameterType};
 
 use crate::convert::{Converter, Scope};
 use crate::document::ElementId;
 use crate::types::Type;
 use crate::value::{Link, Value};
+
+/// What a plain material has of that which a scene's own may have otherwise.
+const NEUTRAL: [(&str, &[f32]); 12] = [
+    ("emission", &[0.0, 0.0, 0.0]),
+    ("opacity", &[1.0]),
+    ("specular", &[1.0]),
+    ("specular_color", &[1.0, 1.0, 1.0]),
+    ("transmission", &[0.0]),
+    ("attenuation_color", &[1.0, 1.0, 1.0]),
+    ("dispersion", &[0.0]),
+    ("diffuse_transmission", &[0.0]),
+    ("coat", &[0.0]),
+    ("sheen_color", &[0.0, 0.0, 0.0]),
+    ("anisotropy", &[0.0]),
+    ("iridescence", &[0.0]),
+];
 
 /// A shader that is being turned into a material.
 pub(super) struct Surface<'c, 'd> {
@@ -35,7 +51,23 @@ impl<'c, 'd> Surface<'c, 'd> {
         }
     }
 
-    pub(super) fn finish(self) -> Vec<(&'static str, look::Value)> {
+    /// All keys. Those that the model leaves as they are in a plain material are written, too, or else those of a material
+    /// of the scene would be seen; but where the document is of a model whose own materials say the rest.
+    pub(super) fn finish(mut self) -> Vec<(&'static str, look::Value)> {
+        let has = |s: &Self, key: &str| s.parameters.iter().any(|(known, _)| *known == key);
+        if self.converter.document.is_of_model {
+            return self.parameters;
+        }
+        let is_body = has(&self, "transmission");
+        for (key, neutral) in NEUTRAL {
+            if !has(&self, key) && (is_body || key != "attenuation_color") {
+                let value = match neutral {
+                    [number] => look::Value::number(*number),
+                    color => look::Value::numbers(color),
+                };
+                self.parameters.push((key, value));
+            }
+        }
         self.parameters
     }
 
@@ -67,17 +99,13 @@ impl<'c, 'd> Surface<'c, 'd> {
     /// Warns of what is given to inputs that the model hasn't.
     pub(super) fn name_strangers(&mut self, inputs: &[&'static str]) {
         let document = self.converter.document;
-        let model = &document.element(self.id).kind;
         for &child in document.children(self.id) {
             let element = document.element(child);
             let name = element.name();
             if !matches!(&*element.kind, "input" | "parameter") || inputs.contains(&name) {
                 continue;
             }
-            let near = did_you_mean(name, inputs.iter().copied());
-            let near = near.map_or_else(String::new, |near| format!("; did you mean `{near}`?"));
-            let message = format!("`{model}` has no input `{name}`: it has no effect{near}");
-            self.converter.warn(child, message);
+            self.converter.stranger(self.id, child, inputs);
         }
     }
 
@@ -85,6 +113,13 @@ impl<'c, 'd> Surface<'c, 'd> {
     pub(super) fn is_on(&mut self, input: &str) -> bool {
         let given = self.given(input).and_then(|value| value.known());
         given.is_some_and(|numbers| numbers[0] > 0.5)
+    }
+
+    /// Whether the node says that it is of that version; zeros at its end don't matter.
+    pub(super) fn is_of_version(&self, wanted: &str) -> bool {
+        let element = self.converter.document.element(self.id);
+        let version = element.attribute("version").unwrap_or("");
+        version.trim_end_matches(".0") == wanted
     }
 
     /// The name of a node that computes `what`.
@@ -108,7 +143,10 @@ impl<'c, 'd> Surface<'c, 'd> {
     pub(super) fn set(&mut self, key: &'static str, value: &Value, low: f32, high: f32) {
         let value = match value {
             Value::Link(link) => look::Value::Text(link.text(ParameterType::F32, false)),
-            Value::Numbers(_, numbers) => look::Value::number(numbers[0].clamp(low, high)),
+            Value::Numbers(_, numbers) => {
+                // Without the sign that 0 may have.
+                look::Value::number(numbers[0].clamp(low, high) + 0.0)
+            }
             Value::Text(_) | Value::File { .. } | Value::Matrix(_) => return,
         };
         self.parameters.push((key, value));
@@ -299,7 +337,7 @@ impl<'c, 'd> Surface<'c, 'd> {
 
     /// Warns where the coat has a normal of its own.
     pub(super) fn warn_of_coat_normal(&mut self, input: &str) {
-        if matches!(self.given(input), Some(Value::Link(_))) {
+        if self.given(input).is_some() {
             self.warn(
                 input,
                 &format!("`{input}` has no counterpart: the coat is smooth"),
@@ -322,11 +360,28 @@ impl<'c, 'd> Surface<'c, 'd> {
             if let Some(height @ Value::Link(_)) = height {
                 self.bump(place, &height, &scale);
             }
+            // The bumps are on a surface that may lean already.
+            let below = self.converter.input(&scope, source, "normal");
+            self.driven_normal(source, "normal", below);
             return;
         }
-        if let Some(Value::Link(link)) = self.given(input) {
-            let text = link.text(ParameterType::Vec3, false);
-            self.parameters.push(("normal", look::Value::Text(text)));
+        let normal = self.given(input);
+        self.driven_normal(place, input, normal);
+    }
+
+    fn driven_normal(&mut self, place: ElementId, input: &str, normal: Option<Value>) {
+        match normal {
+            Some(Value::Link(link)) => {
+                let text = link.text(ParameterType::Vec3, false);
+                self.parameters.push(("normal", look::Value::Text(text)));
+            }
+            Some(_) => self.converter.warn(
+                place,
+                format!(
+                    "`{input}` has no counterpart where it is a constant: the surface has its own"
+                ),
+            ),
+            None => {}
         }
     }
 
@@ -360,6 +415,17 @@ impl<'c, 'd> Surface<'c, 'd> {
             return;
         }
         let height = self.converter.input(&scope, source, "displacement");
+        // Of vectors, which are along the tangent, the bitangent and the normal, the last is the height.
+        let is_vector = matches!(&height, Some(height) if height.ty() == Type::Vector3);
+        let height = match height {
+            Some(vector) if is_vector => Some(vector.component(2)),
+            height => height,
+        };
+        if is_vector {
+            let message =
+                "of a displacement what is along the normal is shown, not what is sideways";
+            self.converter.warn(source, message);
+        }
         let scale = self.converter.input(&scope, source, "scale");
         if let Some(height @ Value::Link(_)) = height {
             self.converter.warn(
@@ -373,8 +439,15 @@ impl<'c, 'd> Surface<'c, 'd> {
 
     /// A normal of the world from one in tangent space, from -1 to 1.
     pub(super) fn tangent_space_normal(&mut self, input: &str) {
-        let Some(Value::Link(link)) = self.given(input) else {
-            return;
+        let link = match self.given(input) {
+            Some(Value::Link(link)) => link,
+            // As where nothing is given.
+            Some(Value::Numbers(_, [0.0, 0.0, 1.0, _])) => return,
+            Some(_) => {
+                let message = "has no counterpart where it is a constant: the surface has its own";
+                return self.warn(input, &format!("`{input}` {message}"));
+            }
+            None => return,
         };
         let half = Value::number(0.5);
         let halved = self.product("normal_half", &Value::Link(link), &half);

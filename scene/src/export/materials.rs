@@ -137,7 +137,10 @@ fn transform(texture: &TextureRef) -> Option<Value> {
         return None;
     }
     // u' = scale_x cos u + scale_y sin v, v' = -scale_x sin u + scale_y cos v.
-    let rotation = (-v.x).atan2(u.x);
+    let rotation = match u.x == 0.0 && v.x == 0.0 {
+        true => u.y.atan2(v.y),
+        false => (-v.x).atan2(u.x),
+    };
     let scale = [
         u.x.hypot(v.x),
         (u.y * rotation.sin() + v.y * rotation.cos()),
@@ -160,6 +163,15 @@ fn material_of(m: &Material, textures: &mut Textures, tree: &mut Tree) -> Value 
     let rough = info(&m.metallic_roughness_texture, tree);
     put(&mut pbr, "metallicRoughnessTexture", rough);
     let mut value = json!({ "name": m.name, "pbrMetallicRoughness": pbr });
+    for (key, is_said) in [
+        ("priority", m.priority != 0),
+        ("shadow_catcher", m.shadow_catcher),
+    ] {
+        if is_said {
+            let warning = format!("material \"{}\": glTF has no word for its `{key}`", m.name);
+            tree.warnings.push(warning);
+        }
+    }
     if m.double_sided {
         value["doubleSided"] = json!(true);
     }

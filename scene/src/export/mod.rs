@@ -1,7 +1,7 @@
 //! A [`Scene`] as a glTF 2.0 binary: meshes, instances, materials with their pictures, lights, cameras.
 //!
 //! Everything is in one file. What glTF has no word for is left out with a warning: pictures of the environment, the size of
-//! lights, lenses of cameras, priorities of bodies.
+//! lights, lenses of cameras, priorities of bodies, what only catches shadows.
 
 mod buffer;
 mod materials;

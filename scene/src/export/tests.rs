@@ -477,3 +477,36 @@ fn a_coat_with_a_normal_map_gets_tangents() {
     let imported = import::load(&path).unwrap_or_else(|e| panic!("{e}"));
     assert!(!imported.scene.meshes[0].tangents.is_empty());
 }
+
+#[test]
+fn a_texture_without_a_width_keeps_its_turn() {
+    let mut written = scene();
+    let (sin, cos) = 0.7f32.sin_cos();
+    for wide in [0.0, 3.0] {
+        let rows = [
+            Vec3::new(cos * wide, sin * 2.0, 0.25),
+            Vec3::new(-sin * wide, cos * 2.0, 0.5),
+        ];
+        let texture = written.materials[1].normal_texture.as_mut();
+        texture.expect("a normal map").transform = rows;
+        let read = again(&written).materials[1].normal_texture;
+        let read = read.expect("a normal map").transform;
+        for (a, b) in rows.iter().zip(read) {
+            assert!(a.abs_diff_eq(b, 1e-6), "{rows:?}: {read:?}");
+        }
+    }
+}
+
+#[test]
+fn what_gltf_has_no_word_for_is_told() {
+    let mut written = scene();
+    written.materials[0].priority = 2;
+    written.materials[1].shadow_catcher = true;
+    let told = glb(&written).expect("a file").warnings.join("\n");
+    for said in [
+        "\"plain\": glTF has no word for its `priority`",
+        "\"rich\": glTF has no word for its `shadow_catcher`",
+    ] {
+        assert!(told.contains(said), "{told}");
+    }
+}

@@ -6,6 +6,7 @@ use super::pictures::Pictures;
 use crate::input::Files;
 use crate::{Animation, Moment, Scene};
 use glam::DAffine3;
+use std::collections::BTreeSet;
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -65,10 +66,25 @@ pub(super) struct Request<'a> {
 }
 
 /// A scene and what the user should know about it.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Imported {
     /// What was read.
     pub scene: Scene,
+    /// What its nodes are called, as far as the scene doesn't say it.
+    pub names: NodeNames,
+    /// Why the file's environment can't be read; the scene's is black then. It is no error where another one takes its place.
+    pub environment_problem: Option<ImportError>,
     /// Sentences about what is shown differently from what the file says.
     pub warnings: Vec<String>,
+}
+
+/// What visible nodes are called, as far as a scene doesn't say it.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct NodeNames {
+    /// The node of each of the scene's lights, in their order.
+    pub lights: Vec<String>,
+    /// Nodes with a mesh of which nothing is in the scene: scaled to nothing at this moment, or without triangles.
+    pub gone_meshes: BTreeSet<String>,
+    /// Lights that aren't in the scene at this moment: the node, and the light's own name.
+    pub gone_lights: BTreeSet<(String, String)>,
 }

@@ -1,5 +1,6 @@
 //! Puts what a file adds into a scene: indices are shifted, names of materials stay unique.
 
+use super::format::{Imported, NodeNames};
 use crate::import::place::MAX_INSTANCES;
 use crate::{Instance, Material, Scene};
 use std::collections::{HashMap, HashSet};
@@ -14,11 +15,19 @@ pub struct Appended {
     pub instances: Range<usize>,
     /// Materials that got another name, because theirs was taken: (name in the file, name in the scene).
     pub renamed: Vec<(String, String)>,
+    /// What nodes of the file are called; of its lights, which are the last ones in `Scene::lights`, in their order.
+    pub names: NodeNames,
     /// Sentences about what is shown differently from what the file says.
     pub warnings: Vec<String>,
 }
 
-pub(super) fn merge(scene: &mut Scene, mut added: Scene, warnings: Vec<String>) -> Appended {
+pub(super) fn merge(scene: &mut Scene, imported: Imported) -> Appended {
+    let Imported {
+        scene: mut added,
+        names,
+        warnings,
+        ..
+    } = imported;
     let first_mesh = scene.meshes.len() as u32;
     let first_material = scene.materials.len() as u32;
     for mesh in &mut added.meshes {
@@ -46,6 +55,7 @@ pub(super) fn merge(scene: &mut Scene, mut added: Scene, warnings: Vec<String>) 
         materials: first_material as usize..scene.materials.len(),
         instances: first_instance..scene.instances.len(),
         renamed,
+        names,
         warnings,
     }
 }

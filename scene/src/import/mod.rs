@@ -21,7 +21,7 @@ mod place;
 
 pub use environment::load_environment_image;
 pub use error::ImportError;
-pub use format::Imported;
+pub use format::{Imported, NodeNames};
 pub use merge::Appended;
 pub use mesh::tangents::give_tangents;
 pub use pictures::load_picture;
@@ -106,13 +106,18 @@ pub fn animations(path: &Path) -> Result<Vec<Animation>, ImportError> {
 /// Reads a scene file with all its buffers and pictures from the disk: the default scene, at rest. [`Importer::from_files`] has
 /// other files.
 ///
-/// A file without triangles gives a scene without instances; that is not an error here.
+/// A file without triangles gives a scene without instances; that is not an error here. Nor is an environment that can't be read:
+/// it is black, with a warning.
 ///
 /// # Errors
 /// Where a file is missing, damaged, needs an extension that isn't supported, or is larger than memory allows. The
 /// text of the error names the file, the place in it and the remedy.
 pub fn load(path: &Path) -> Result<Imported, ImportError> {
-    Importer::new().load(path)
+    let mut imported = Importer::new().load(path)?;
+    let problem = imported.environment_problem.take();
+    (imported.warnings)
+        .extend(problem.map(|problem| format!("{problem}; the environment is black")));
+    Ok(imported)
 }
 
 /// Adds the contents of a scene file to a scene; see [`Importer::append`].
@@ -254,7 +259,8 @@ impl Importer {
         Ok(file)
     }
 
-    /// The first file of the scene; as the function [`load`].
+    /// The first file of the scene; as the function [`load`], but that it is left to the caller what an environment that can't be
+    /// read is: see [`Imported::environment_problem`].
     ///
     /// # Errors
     /// As [`load`].
@@ -303,10 +309,7 @@ impl Importer {
             ),
             translation: placement.translation.as_dvec3(),
         };
-        let Imported {
-            scene: added,
-            warnings,
-        } = self
+        let imported = self
             .opened(path, self.moment.motion != Motion::Rest)?
             .read(Request {
                 placement: world,
@@ -316,7 +319,7 @@ impl Importer {
                 is_read_again: self.open.is_some(),
                 pictures: &mut self.pictures,
             })?;
-        Ok(merge(scene, added, warnings))
+        Ok(merge(scene, imported))
     }
 }
 

@@ -4,6 +4,7 @@ use super::budget::Budget;
 use super::error::{Fault, ImportError, Warnings};
 use crate::Image;
 use crate::input::{FileId, Files};
+use image::error::{ImageError, LimitErrorKind};
 use image::{DynamicImage, ImageDecoder as _, ImageFormat, ImageReader, Limits};
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -76,6 +77,59 @@ impl Pictures {
     }
 }
 
+/// Why a picture isn't read.
+#[derive(Debug)]
+enum Refusal {
+    /// Another one is to be put in its place.
+    Fault(Fault),
+    /// A smaller one is.
+    TooLarge(Fault),
+}
+
+impl Refusal {
+    /// The error of a picture of a file, by its name there.
+    fn of(self, path: &Path, image: &str) -> ImportError {
+        let (path, image) = (path.to_owned(), image.to_owned());
+        match self {
+            Self::Fault(problem) => ImportError::Image {
+                path,
+                image,
+                problem,
+            },
+            Self::TooLarge(problem) => ImportError::TooLarge {
+                path,
+                problem: format!("{image}: {problem}"),
+            },
+        }
+    }
+
+    /// Without the place.
+    fn into_fault(self) -> Fault {
+        match self {
+            Self::Fault(problem) | Self::TooLarge(problem) => problem,
+        }
+    }
+}
+
+impl From<&str> for Refusal {
+    fn from(problem: &str) -> Self {
+        Self::Fault(problem.to_owned())
+    }
+}
+
+impl From<ImageError> for Refusal {
+    fn from(error: ImageError) -> Self {
+        match &error {
+            ImageError::Limits(limit) if limit.kind() == LimitErrorKind::DimensionError => {
+                Self::TooLarge(format!(
+                    "is larger than the {MAX_SIDE} texels a side that are read; make it smaller"
+                ))
+            }
+            _ => Self::Fault(error.to_string()),
+        }
+    }
+}
+
 /// What pictures may still take in a scene that has some.
 fn budget(held: &[Image]) -> Budget {
     let held = held.iter().map(|image| image.rgba8.len() as u64).sum();
@@ -121,13 +175,8 @@ fn load(
             _ => {
                 let again = decoded[slot].as_ref();
                 if let Some(image) = again {
-                    take(&budget, image.rgba8.len() as u64).map_err(|problem| {
-                        ImportError::Image {
-                            path: album.path().to_owned(),
-                            image: image.name.clone(),
-                            problem,
-                        }
-                    })?;
+                    take(&budget, image.rgba8.len() as u64)
+                        .map_err(|refusal| refusal.of(album.path(), &image.name))?;
                 }
                 again.cloned()
             }
@@ -152,7 +201,7 @@ pub fn load_picture(
     let bytes = files
         .read(path, MAX_FILE)
         .map_err(|error| format!("cannot read it: {error}"))?;
-    let decoded = decode_guarded(&bytes, &budget(held))?;
+    let decoded = decode_guarded(&bytes, &budget(held)).map_err(Refusal::into_fault)?;
     Ok(kept(path.display().to_string(), decoded, srgb))
 }
 
@@ -162,12 +211,8 @@ fn load_one(
     budget: &Budget,
 ) -> Result<(Image, Option<String>), ImportError> {
     let name = album.name(index);
-    let failed = |problem: Fault| ImportError::Image {
-        path: album.path().to_owned(),
-        image: name.clone(),
-        problem,
-    };
-    let bytes = album.bytes(index).map_err(failed)?;
+    let failed = |refusal: Refusal| refusal.of(album.path(), &name);
+    let bytes = album.bytes(index).map_err(Refusal::Fault).map_err(failed)?;
     let decoded = decode_guarded(&bytes, budget).map_err(failed)?;
     Ok(kept(name, decoded, false))
 }
@@ -190,12 +235,12 @@ fn kept(name: String, decoded: DynamicImage, srgb: bool) -> (Image, Option<Strin
 
 /// Decodes, and turns a panic of the decoder into an error: the decoders are foreign code fed with foreign bytes, and
 /// a picture must not end the program.
-fn decode_guarded(bytes: &[u8], budget: &Budget) -> Result<DynamicImage, Fault> {
+fn decode_guarded(bytes: &[u8], budget: &Budget) -> Result<DynamicImage, Refusal> {
     texgen::guarded(|| decode(bytes, budget))
         .unwrap_or_else(|_| Err("the decoder gave up on it".into()))
 }
 
-fn decode(bytes: &[u8], budget: &Budget) -> Result<DynamicImage, Fault> {
+fn decode(bytes: &[u8], budget: &Budget) -> Result<DynamicImage, Refusal> {
     // By content, because names and MIME types are often wrong.
     let format = image::guess_format(bytes).ok();
     let format = match format {
@@ -208,19 +253,20 @@ fn decode(bytes: &[u8], budget: &Budget) -> Result<DynamicImage, Fault> {
     limits.max_alloc = Some(MAX_DECODED);
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
     reader.limits(limits);
-    let decoder = reader.into_decoder().map_err(|error| error.to_string())?;
+    let decoder = reader.into_decoder()?;
     let (width, height) = decoder.dimensions();
     if width == 0 || height == 0 {
         return Err("has no texels".into());
     }
     take(budget, u64::from(width) * u64::from(height) * 4)?;
-    DynamicImage::from_decoder(decoder).map_err(|error| error.to_string())
+    Ok(DynamicImage::from_decoder(decoder)?)
 }
 
-fn take(budget: &Budget, bytes: u64) -> Result<(), Fault> {
+fn take(budget: &Budget, bytes: u64) -> Result<(), Refusal> {
     let taken = budget.take(bytes, 1);
     taken.map_err(|_| {
-        "all pictures of the scene together take more than 4 GiB; make them smaller".to_owned()
+        let problem = "all pictures of the scene together take more than 4 GiB; make them smaller";
+        Refusal::TooLarge(problem.to_owned())
     })
 }
 
@@ -262,11 +308,26 @@ mod tests {
     #[test]
     fn the_budget_and_damage_are_errors() {
         let bytes = png(DynamicImage::new_rgb8(8, 8));
-        let message = decode(&bytes, &Budget::new(255)).unwrap_err();
+        let refusal = decode(&bytes, &Budget::new(255)).unwrap_err();
+        let message = refusal.into_fault();
         assert!(message.contains("4 GiB"), "{message}");
         for end in [0, 4, 8, 20, 40, bytes.len() - 20] {
             decode(&bytes[..end], &Budget::new(1 << 20)).unwrap_err();
         }
+    }
+
+    #[test]
+    fn a_picture_that_is_too_large_is_no_damaged_one() {
+        let wide = png(DynamicImage::new_luma8(MAX_SIDE + 1, 1));
+        let refusal = decode(&wide, &Budget::new(u64::MAX)).unwrap_err();
+        let said = refusal.of(Path::new("a.glb"), "wide.png").to_string();
+        assert_eq!(
+            said,
+            "a.glb: wide.png: is larger than the 16384 texels a side that are read; make it smaller"
+        );
+        let refusal = decode(&[0; 40], &Budget::new(u64::MAX)).unwrap_err();
+        let said = refusal.of(Path::new("a.glb"), "b.png").to_string();
+        assert!(said.ends_with("saved as PNG, JPEG or WebP"), "{said}");
     }
 
     #[test]

@@ -4,6 +4,7 @@
 use std::fs::{self, File, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 use engine::aside::Leftover;
 use engine::film::{Film, Origin, Part, PartError};
@@ -32,8 +33,10 @@ pub(super) struct Store {
     resumes: bool,
     /// Whether they outlive a run that doesn't write the picture.
     stays: bool,
-    /// Gone with a program that is ended from outside.
-    leftover: Option<Leftover>,
+    /// The folder is gone with a program that is ended from outside: as long as no piece is in it that is to stay.
+    leftover: Mutex<Option<Leftover>>,
+    /// So is the file that is locked.
+    _leftover_lock: Leftover,
     /// Open, and so locked, as long as this is there: the pieces of two runs would mix.
     _lock: File,
 }
@@ -67,12 +70,12 @@ impl Store {
         let stays = job.checkpoints.is_some();
         let mut leftover = None;
         match fs::create_dir(&folder) {
-            Ok(()) if !stays => leftover = Some(Leftover::new(folder.clone())),
-            Ok(()) => {}
+            Ok(()) => leftover = Some(Leftover::new(folder.clone())),
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists && folder.is_dir() => {}
             Err(error) => return Err(refused(error)),
         }
-        let lock = File::create(folder.join(LOCK)).map_err(refused)?;
+        let folder_lock = folder.join(LOCK);
+        let lock = File::create(&folder_lock).map_err(refused)?;
         match lock.try_lock() {
             Ok(()) => {}
             Err(TryLockError::WouldBlock) => {
@@ -91,7 +94,8 @@ impl Store {
             folder,
             resumes,
             stays,
-            leftover,
+            leftover: Mutex::new(leftover),
+            _leftover_lock: Leftover::new(folder_lock),
             _lock: lock,
         })
     }
@@ -158,6 +162,9 @@ impl Store {
     /// # Errors
     /// What the system says.
     pub(super) fn write(&self, piece: &Piece, part: &Part) -> Result<(), Failure> {
+        if self.stays {
+            self.let_folder_stay();
+        }
         let path = file(&self.folder, piece.number);
         output::write_aside(&path, |file| part.write(file)).map_err(Failure::because)
     }
@@ -165,7 +172,13 @@ impl Store {
     /// Lets the pieces outlive the run, whatever was said.
     pub(super) fn keep(&mut self) {
         self.stays = true;
-        self.leftover = None;
+        self.let_folder_stay();
+    }
+
+    /// Has the folder outlive a program that is ended from outside.
+    fn let_folder_stay(&self) {
+        let mut leftover = self.leftover.lock().unwrap_or_else(PoisonError::into_inner);
+        *leftover = None;
     }
 
     /// The picture is written: the pieces aren't needed any more.
@@ -180,8 +193,9 @@ impl Drop for Store {
         let _ = fs::remove_file(self.folder.join(LOCK));
         if !self.stays {
             let _ = clear(&self.folder);
-            let _ = fs::remove_dir(&self.folder);
         }
+        // Where pieces stay it isn't empty, and so it stays with them.
+        let _ = fs::remove_dir(&self.folder);
     }
 }
 

@@ -160,6 +160,23 @@ impl Graph {
         Ok((new, dropped))
     }
 
+    /// Whether all that nodes were given fits into other versions of their textures as it is: no parameter with a value
+    /// or a link of its own is gone, or of another type. Otherwise whoever knows where it came from has to give it again.
+    pub fn keeps_given(&self, library: &Library) -> bool {
+        self.nodes.iter().all(|node| {
+            let former = self.texture_of(node);
+            let Some(now) = library.get(former.name()) else {
+                return true;
+            };
+            let inputs = former.parameters().iter().zip(&node.inputs);
+            let mut given = inputs.filter(|(_, input)| input.is_set() || input.link.is_some());
+            given.all(|(parameter, _)| {
+                let now = now.parameter(&parameter.name);
+                now.is_some_and(|(_, declared)| declared.ty == parameter.ty)
+            })
+        })
+    }
+
     /// Adds a node with its texture's default values. `occlusion` are the AO slots (0 to 3) that the texture
     /// reads as `AO` and `AO1`.
     ///

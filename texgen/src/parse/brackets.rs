@@ -4,7 +4,8 @@ use crate::diagnostic::{Diagnostic, SourceFile};
 use crate::habits::Habit;
 use crate::scope::Outline;
 
-/// The error of a bracket that nothing closes. What closes another one than the last that was opened, naga finds where it is.
+/// The error of a bracket that nothing closes, or of a `)` or `]` that closes nothing: the function would seem to end there. What closes
+/// another one than the last that was opened, naga finds where it is.
 pub(super) fn unclosed(
     file: &SourceFile,
     outline: &Outline<'_>,
@@ -19,6 +20,11 @@ pub(super) fn unclosed(
         }
         match outline.word(at) {
             "(" | "[" | "{" => open.push(at),
+            word @ (")" | "]") if open.last().is_none_or(|&inner| outline.word(inner) == "{") => {
+                let error = Diagnostic::error(format!("this `{word}` closes nothing"));
+                let error = error.with_label(file, outline.span(at), "");
+                return Some(error.with_note("remove it, or open the bracket further up"));
+            }
             word @ (")" | "]" | "}") => {
                 let opened = open.pop()?;
                 if closer(outline.word(opened)) != word {

@@ -1,6 +1,10 @@
 //! What naga says about types, in plain words.
 
-use crate::wording::plain_message;
+use std::ops::Range;
+
+use crate::scope::{Outline, Role};
+use crate::tokens::TokenKind;
+use crate::wording::{plain_message, short};
 
 /// What naga says of a number without a type of its own beside something that it doesn't become like.
 const MIXTURES: [&str; 2] = [
@@ -10,6 +14,98 @@ const MIXTURES: [&str; 2] = [
 
 pub(super) fn is_of_mixture(message: &str) -> bool {
     MIXTURES.contains(&message)
+}
+
+/// Functions that naga doesn't compute of numbers without a type of their own.
+const UNCOMPUTED: [&str; 4] = ["mix", "smoothstep", "transpose", "determinant"];
+
+/// What is wrong with a call of nothing but numbers without a type, where naga speaks of such a number at `span`.
+pub(super) fn of_literals(outline: &Outline<'_>, span: &Range<usize>) -> Option<(String, String)> {
+    let is_number = |at: usize| {
+        let token = outline.tokens.tokens[at];
+        token.kind != TokenKind::Word
+            || outline.roles[at] == Role::Predeclared
+            || matches!(token.text, "true" | "false")
+    };
+    let arguments = |at: usize| {
+        let is_called =
+            outline.roles.get(at) == Some(&Role::Predeclared) && outline.word(at + 1) == "(";
+        let inside = at + 2..outline.closing(at + 1).max(at + 2);
+        (is_called && inside.clone().all(is_number)).then_some(inside)
+    };
+    let call = (0..outline.tokens.tokens.len()).find_map(|at| {
+        if !UNCOMPUTED.contains(&outline.word(at)) {
+            return None;
+        }
+        let inside = arguments(at)?;
+        let overlaps =
+            outline.span(at).start < span.end && span.start < outline.span(inside.end).end;
+        overlaps.then_some((outline.word(at), inside.start))
+    });
+    if let Some((name, first)) = call {
+        let number = outline.word(first);
+        let remedy = match outline.word(first + 1) {
+            "," if number.contains('.') => {
+                format!("give one of them a type: `{name}({number}f, ...)`")
+            }
+            "," => format!("give one of them a type: `{name}({number}.0f, ...)`"),
+            _ => "give one of them a type, as `vec3f(...)`, `mat2x2f(...)` or `1.0f`".to_owned(),
+        };
+        let message =
+            format!("the compiler in Patina can't compute `{name}` of numbers without a type");
+        return Some((message, remedy));
+    }
+    // Of others naga says no more where what they give is no number.
+    let at = outline
+        .tokens
+        .tokens
+        .partition_point(|token| token.start < span.start);
+    let is_name = outline.span(at) == *span && arguments(at).is_some();
+    is_name.then(|| {
+        let message = format!(
+            "what `{}` gives here is not a finite number",
+            outline.word(at)
+        );
+        (message, "a constant has to be finite".to_owned())
+    })
+}
+
+/// What is wrong where a vector and a number stand for arguments that have to be of one type.
+pub(super) fn of_vector_and_number(
+    message: &str,
+    labels: &[(Range<usize>, String)],
+    text: &str,
+) -> Option<(String, String)> {
+    let rest = message.strip_prefix("inconsistent type passed as argument #")?;
+    let function = rest.split('`').nth(1)?;
+    let typed = |is_vector: bool| {
+        labels.iter().find_map(|(span, label)| {
+            let ty = type_in(label)?;
+            let is_scalar = matches!(
+                ty,
+                "f32" | "i32" | "u32" | "{AbstractFloat}" | "{AbstractInt}"
+            );
+            (ty.starts_with("vec") == is_vector && is_vector != is_scalar).then_some((span, ty))
+        })
+    };
+    let ((_, vector), (number, scalar)) = (typed(true)?, typed(false)?);
+    let (count, component) = (vector.get(3..4)?, vector.get(5..6)?.replace('{', "f"));
+    if !"fiu".contains(&component) {
+        return None;
+    }
+    let mut number = short(text, number.clone()).unwrap_or("...").to_owned();
+    if !scalar.starts_with('{') && !scalar.starts_with(&component) {
+        number = format!("{component}32({number})");
+    }
+    Some((
+        format!("`{function}` takes vectors of one size or numbers, not both"),
+        format!("write `vec{count}{component}({number})` for the number"),
+    ))
+}
+
+/// The type that a label tells of an argument.
+pub(super) fn type_in(label: &str) -> Option<&str> {
+    label.split_once(" has type ")?.1.split(',').next()
 }
 
 /// naga's message as an author of a texture understands it, and what to do. None where others have words for it.
@@ -39,6 +135,10 @@ pub(super) fn in_plain_words(message: &str) -> Option<(String, Option<String>)> 
         return said(&format!(
             "index {index} is beyond the end of what is indexed here"
         ));
+    }
+    if message.starts_with("float literal is ") {
+        let remedy = "a constant has to be finite".to_owned();
+        return Some(("this is not a finite number".to_owned(), Some(remedy)));
     }
     if is_of_mixture(message) {
         let text = "a number meets something here that it doesn't go with";

@@ -517,8 +517,16 @@ fn a_new_version_of_a_texture_keeps_values_and_links() {
     graph.set_value(x, "b", Value::F32(2.0)).expect("fits");
     graph.set_value(x, "a", Value::F32(2.0)).expect("fits");
     graph.set_link(y, "c", x, None).expect("fits");
+    assert!(!graph.keeps_given(&new), "`a` is gone, `b` another type");
     let (graph, dropped) = graph.with_library(new).expect("fits");
     assert!(dropped.is_empty());
+    assert!(graph.keeps_given(graph.library()));
+    // What has its default, or was added, may be anything.
+    let other = library(&[(
+        "t",
+        "fn userProc(c: f32, b: vec4f, more: f32) -> f32 { return c; }",
+    )]);
+    assert!(graph.keeps_given(&other));
     assert_eq!(graph.value(x, "b"), Some(&Value::Vec4([2.0; 4])));
     assert_eq!(graph.link(y, "c").map(|link| link.source), Some(x));
     assert_eq!(graph.occlusion(x), [1, 0]);

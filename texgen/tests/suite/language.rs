@@ -57,6 +57,40 @@ fn userProc(a: array<{ty}, 4>, i: i32, u: u32) -> f32 {{
 }
 
 #[test]
+fn arrays_of_types_by_another_name_are_read_in_every_way() {
+    let kernel = valid_kernel(&library(&[(
+        "t",
+        "alias Color = vec3f;
+alias Palette = array<Color, 4>;
+const N = 3;
+fn pick(t: array<Color, 4>, i: u32) -> Color { return t[i]; }
+fn other(t: Palette) -> Color { return t[1]; }
+fn last(t: array<f32, N>) -> f32 { return t[N - 1]; }
+fn userProc(a: array<Color, 4>, b: Palette, c: array<f32, N>) -> Color {
+    let patina = a;
+    return pick(a, 2u) + other(b) + other(patina) + a[0] * last(c);
+}",
+    )]));
+    assert!(
+        kernel.contains("t__pick(t__patina_array0(a), 2u)"),
+        "{kernel}"
+    );
+}
+
+#[test]
+fn the_result_type_of_a_function_that_loops_keeps_its_blanks() {
+    valid_kernel(&library(&[(
+        "t",
+        "fn f(x: f32) -> array<f32, 4 - -1> {
+    var a = array<f32, 4 - -1>();
+    while a[0] < x { a[0] += 0.1; }
+    return a;
+}
+fn userProc(x: f32) -> f32 { return f(x)[4]; }",
+    )]));
+}
+
+#[test]
 fn arrays_may_have_any_size_and_a_constant_for_it() {
     for size in ["1", "65536", "SIZE", "SIZE * 2 + 1"] {
         let text = format!(
@@ -380,6 +414,7 @@ fn every_refusal_says_why_and_what_to_do() {
             "workgroup variables",
         ),
         (module("var<private> a = 1.0;"), "module-scope variables"),
+        (module("var total = 0.0;"), "module-scope variables"),
         (
             body("storageBarrier();"),
             "`storageBarrier` is not possible",

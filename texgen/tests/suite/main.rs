@@ -3,6 +3,7 @@
 mod common;
 mod docs;
 mod errors;
+mod first_steps;
 mod graph;
 mod inputs;
 mod kernel;

@@ -182,7 +182,11 @@ fn habits_of_other_languages_get_the_wgsl_way() {
         ),
         (
             &format!("#include \"noise.glsl\"{entry}"),
-            &["can't include other files", "t.wgsl:1:1"],
+            &["can't include other files", "t.wgsl:1:1", "/// @use NAME"],
+        ),
+        (
+            "fn userProc(a: f32) -> f32 { return rand(a); }",
+            &["`rand`", "`randomOf(vec4f)`, `random3to1(vec3u)`"],
         ),
         (
             "#define TAU 6.28\nfn userProc() -> f32 { return TAU; }",

@@ -337,9 +337,13 @@ impl Render {
 
     /// The look, its materials, and the textures that it may use.
     pub(super) fn publish_look(&mut self) {
-        let Some(session) = &self.session else {
-            return;
-        };
+        if let Some(facts) = self.look_facts() {
+            lock(&self.board).look = Some(facts);
+        }
+    }
+
+    fn look_facts(&mut self) -> Option<LookFacts> {
+        let session = self.session.as_ref()?;
         let textures = match &self.published.textures_there {
             Some(textures) => Arc::clone(textures),
             None => {
@@ -354,7 +358,7 @@ impl Render {
             None => session.scene().images.iter().map(ModelImage::new).collect(),
         };
         self.published.images_there = Some(Arc::clone(&images));
-        lock(&self.board).look = Some(LookFacts {
+        Some(LookFacts {
             text: session.look_text().into(),
             saved: session.saved_text().into(),
             outside: self.outside,
@@ -365,13 +369,13 @@ impl Render {
             images,
             lights: session.scene().lights.clone().into(),
             textures,
-        });
+        })
     }
 
     /// What is known of the scene.
     pub(super) fn publish_scene(&mut self) {
         self.published.images_there = None;
-        self.publish_look();
+        let look = self.look_facts();
         let Some(session) = &self.session else {
             return;
         };
@@ -387,7 +391,10 @@ impl Render {
             end: self.end,
             light_groups: scene.light_groups.names().to_vec(),
         };
-        lock(&self.board).scene = Arc::new(facts);
+        // Together: a text that was moved makes sense beside its own path alone.
+        let mut board = lock(&self.board);
+        board.look = look;
+        board.scene = Arc::new(facts);
     }
 }
 

@@ -69,7 +69,14 @@ impl Editor {
             return None;
         };
         if document.path() != path {
-            document.set_path(path);
+            if document.move_to(path) {
+                // They name files from where the look was.
+                self.panel.forget_snapshots();
+            }
+            // The render has moved its own text. What it is yet to hear of was said of the former place, and is said once more.
+            if facts.heard == self.sent {
+                document.take_changes();
+            }
         }
         if std::mem::take(&mut self.is_reopened) {
             match document.replace("opened again", &facts.text) {

@@ -1,6 +1,6 @@
 //! Files that are opened and saved, and edits that would be lost.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use egui::{Key, Modifiers};
@@ -240,6 +240,74 @@ fn what_was_done_counts_for_the_file_that_the_look_is_saved_as() {
             assert_eq!(document.expect("a look").text(), TEXT, "A was kept");
         }
     }
+}
+
+#[test]
+fn what_was_done_names_the_same_files_from_another_folder() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let [here, there] = ["a.look.toml", "looks/a.look.toml"].map(|name| folder.path().join(name));
+    std::fs::create_dir(folder.path().join("looks")).expect("a folder");
+    let look = |image: &str, exposure: f32| {
+        format!("environment = {{ image = '{image}' }}\n\n[view]\nexposure = {exposure:?}\n")
+    };
+    // As a render would: the look has that file, with so many changes.
+    let publish = |stage: &Stage, path: &Path, text: &str, heard: u64| {
+        let mut board = stage.board.lock().unwrap();
+        let mut scene = SceneFacts::clone(&board.scene);
+        scene.files.look = Some(path.to_owned());
+        let files = scene.files.clone();
+        board.scene = Arc::new(scene);
+        board.look = Some(LookFacts {
+            text: text.into(),
+            saved: text.into(),
+            heard,
+            ..LookFacts::default()
+        });
+        files
+    };
+    let text = |stage: &mut Stage| {
+        let document = stage.harness.state_mut().document_mut();
+        document.expect("a look").text().to_owned()
+    };
+    let expose = |stage: &mut Stage, exposure: f32| {
+        let edit = Edit::view("exposure", Value::number(exposure));
+        let document = stage.harness.state_mut().document_mut();
+        let applied = document.expect("a look").apply("view", &[edit], None);
+        applied.expect("an edit");
+        stage.harness.run_steps(2);
+    };
+    // What the render was told last.
+    let told = |stage: &Stage| {
+        let mut sent = stage.sent().into_iter().rev();
+        sent.find_map(|command| match command {
+            Command::Change(change, number) => Some((change.text().to_owned(), number)),
+            _ => None,
+        })
+    };
+    let mut stage = Stage::new();
+    let files = publish(&stage, &here, &look("sky.hdr", 0.5), 0);
+    stage.reply(Reply::Opened(files));
+    expose(&mut stage, 1.0);
+    expose(&mut stage, 2.0);
+    let (edited, heard) = told(&stage).expect("it is told");
+    assert_eq!(edited, look("sky.hdr", 2.0));
+    publish(&stage, &there, &look("../sky.hdr", 2.0), heard);
+    stage.harness.run_steps(2);
+    assert_eq!(text(&mut stage), look("../sky.hdr", 2.0));
+    assert_eq!(told(&stage), None, "the render has it already");
+    for exposure in [1.0, 0.5] {
+        stage.press(Modifiers::COMMAND, Key::Z);
+        assert_eq!(text(&mut stage), look("../sky.hdr", exposure));
+    }
+    let (undone, heard) = told(&stage).expect("it is told");
+    assert_eq!(undone, look("../sky.hdr", 0.5));
+    // Back again, while the render is yet to hear of an edit.
+    expose(&mut stage, 3.0);
+    publish(&stage, &here, &look("sky.hdr", 0.5), heard);
+    stage.harness.run_steps(2);
+    assert_eq!(text(&mut stage), look("sky.hdr", 3.0));
+    let (edited, _) = told(&stage).expect("it is told once more");
+    assert_eq!(edited, look("sky.hdr", 3.0));
 }
 
 #[test]

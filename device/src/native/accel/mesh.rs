@@ -53,7 +53,7 @@ impl Mesh {
     /// it is given needn't be in order. It ends the build by [`ControlFlow::Break`].
     ///
     /// # Errors
-    /// If `progress` ends the build, or if there are more than 2^29 triangles.
+    /// If `progress` ends the build, if there are more than 2^29 triangles, or if there is no memory for the hierarchy.
     pub fn build(
         positions: &[Vec3],
         triangles: &[[u32; 3]],
@@ -73,7 +73,9 @@ impl Mesh {
                 positions.get(c as usize)?.to_array(),
             ])
         };
-        let mut references = Vec::with_capacity(triangles.len());
+        let mut references: Vec<Reference> = Vec::new();
+        (references.try_reserve_exact(triangles.len()))
+            .map_err(|_| BuildError::no_room::<Reference>(triangles.len()))?;
         triangles
             .par_iter()
             .enumerate()
@@ -100,7 +102,7 @@ impl Mesh {
     }
 
     /// The same hierarchy around the same `triangles` with their corners elsewhere: a twentieth of the time that building one takes.
-    /// `None` where its boxes would overlap so much more than they do now that rays would pay for it.
+    /// `None` where its boxes would overlap so much more than they do now that rays would pay for it, or where there is no memory for it.
     ///
     /// Triangles that were left out stay so; none of the others may have a corner that isn't finite or isn't there.
     pub fn refit(&self, positions: &[Vec3], triangles: &[[u32; 3]]) -> Option<Self> {

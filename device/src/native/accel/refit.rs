@@ -14,16 +14,16 @@ use super::{
 const LOOSEST: f64 = 4.0;
 
 /// `level` around triangles whose corners are elsewhere; `corners` gives them by the triangle's index. `None` where it has become
-/// much looser, or a corner isn't there.
+/// much looser, or a corner isn't there, or no memory for it.
 pub(super) fn around(
     level: &Hierarchy<TriangleBlock>,
     corners: impl Fn(usize) -> Option<[[f32; 3]; 3]> + Sync,
 ) -> Option<Hierarchy<TriangleBlock>> {
-    let mut leaves = level.leaves.clone();
+    let mut leaves = level.leaves.copied()?;
     leaves
         .par_iter_mut()
         .try_for_each(|block| move_block(block, &corners))?;
-    let mut nodes = level.nodes.clone();
+    let mut nodes = level.nodes.copied()?;
     let mut bounds = vec![Bounds::EMPTY; nodes.len()];
     // A node stands behind the one above it.
     for place in (0..nodes.len()).rev() {

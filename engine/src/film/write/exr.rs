@@ -90,6 +90,31 @@ pub(super) fn largest_numbers(content: &Content<'_>) -> Vec<(&'static str, f32)>
     found
 }
 
+/// Rows of a block of B44.
+const B44_ROWS: u32 = 32;
+/// Fewest bytes that the crate has for such a block when it is packed.
+const B44_ROOM: u64 = 2048;
+
+/// Whether B44 has room for all blocks of a picture: it makes 14 bytes of 4 x 4 numbers of 16 bits, also where fewer are left at the
+/// borders, so that blocks may grow, but the crate has no more room than for what isn't packed.
+fn has_room(channels: &Channels, [width, height]: [u32; 2]) -> bool {
+    let bytes = |rows: u32| {
+        let in_halves =
+            |(_, samples): &&(Text, FlatSamples)| matches!(samples, FlatSamples::F16(_));
+        let numbers = u64::from(width) * u64::from(rows);
+        let squares = u64::from(width.div_ceil(4)) * u64::from(rows.div_ceil(4));
+        let halves = channels.iter().filter(in_halves).count() as u64;
+        let others = 4 * numbers * (channels.len() as u64 - halves);
+        let unpacked = others + 2 * numbers * halves;
+        (others + 14 * squares * halves, unpacked.max(B44_ROOM))
+    };
+    let blocks = [height.min(B44_ROWS), height % B44_ROWS];
+    blocks
+        .into_iter()
+        .map(bytes)
+        .all(|(most, room)| most <= room)
+}
+
 /// The header of a file of these channels.
 fn header(
     [width, height]: [u32; 2],
@@ -98,6 +123,10 @@ fn header(
     packing: Packing,
     metadata: &Metadata,
 ) -> Header {
+    let packing = match packing {
+        Packing::B44 | Packing::B44A if !has_room(channels, [width, height]) => Packing::ZIP16,
+        packing => packing,
+    };
     let list = channels.iter().map(|(name, samples)| {
         let kind = match samples {
             FlatSamples::F16(_) => SampleType::F16,

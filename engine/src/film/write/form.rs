@@ -37,7 +37,8 @@ pub enum Compression {
     Piz,
     /// As [`Self::Zip`] with 24 bits of each 32-bit float; 16-bit floats are kept as they are.
     Pxr24,
-    /// Blocks of 4 x 4 numbers of 16 bits, with loss; 32-bit floats are kept as they are.
+    /// Blocks of 4 x 4 numbers of 16 bits, with loss; 32-bit floats are kept as they are. Files of which a block of rows may
+    /// grow so, as the last one where few rows are left for it, are packed as [`Self::Zip`].
     B44,
     /// The same, with less for blocks of one colour.
     B44a,

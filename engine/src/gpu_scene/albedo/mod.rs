@@ -1,5 +1,5 @@
 //! The table of directional albedos in `microfacet.wgsl`: what share of light a rough surface reflects. It depends on
-//! nothing but cosine, roughness and, for glass, the index of refraction. Its integrals take half a second, so they are part
+//! nothing but cosine, roughness and, for glass, the index of refraction. Its integrals take seconds, so they are part
 //! of the program as a file, which a test computes anew.
 
 #[cfg(test)]

@@ -114,7 +114,7 @@ fn sample_indirect(
     p: Path, v: Vertex, m: MaterialSample, l: Lobes, wo: vec3f, origins: RayOrigins, going_on: f32,
 ) -> bool {
     let numbers = random4(v.id, vertex_dimension(v.depth, DIMENSION_BSDF), GROUP_BSDF);
-    let sampled = bsdf_sample(m.bsdf, l, wo, numbers.xy);
+    let sampled = bsdf_sample(m.bsdf, l, wo, numbers.xyz);
     let direction = to_world(m.frame, sampled.wi);
     let side = dot(direction, v.surface.geometric_normal);
     if (sampled.pdf <= 0.0 || !leaves(sampled.wi.z, side, origins.is_lifted)) {

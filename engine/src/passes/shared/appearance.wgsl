@@ -32,10 +32,10 @@ fn color_or(slot: u32, outputs: u32, which: u32, otherwise: vec3f) -> vec3f {
     return otherwise;
 }
 
-// Normal map number `texture` in the frame of the interpolated normal; `s.shading_normal` where there is none.
+// Normal map number `texture` in the frame of the interpolated normal; that normal where there is none.
 fn mapped_normal(s: Surface, material: u32, instance: u32, texture: u32, map: vec3f, scale: f32) -> vec3f {
     if ((materials[material].texture_mask & (1u << texture)) == 0u) {
-        return s.shading_normal;
+        return visible_normal(s.shading_normal, s);
     }
     let texel = map * 2.0 - 1.0;
     // The map is made for the front: undo the flip, perturb, flip again.
@@ -45,13 +45,13 @@ fn mapped_normal(s: Surface, material: u32, instance: u32, texture: u32, map: ve
     let mapped = tangent.xyz * (texel.x * scale) + bitangent * (texel.y * scale) + normal * texel.z;
     let length2 = dot(mapped, mapped);
     if (length2 < 1e-12) {
-        return s.shading_normal;
+        return visible_normal(s.shading_normal, s);
     }
     // Seen at a slant some of its slopes face away, which would be black.
     return visible_normal(select(-mapped, mapped, s.front) * inverseSqrt(length2), s);
 }
 
-// A shading normal that the viewer sees: one that is bent too far is bent back.
+// A shading normal that the viewer sees: one that is bent too far is bent back, also that of a smooth surface of few triangles near its rim.
 fn visible_normal(normal: vec3f, s: Surface) -> vec3f {
     let cosine = dot(normal, s.wo);
     if (cosine >= 0.01) {

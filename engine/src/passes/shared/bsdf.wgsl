@@ -76,7 +76,19 @@ struct Lobes {
     specular_p: f32,
     diffuse_p: f32,
     back_p: f32, // diffuse transmission
-    through_p: f32, // transmission
+    through_p: f32, // transmission; at the surface of a transparent body what it reflects, too
+    mirror: f32, // of that the share that is reflected, by the angle alone
+}
+
+// Whether it is the surface of a transparent body, which refracts: its microfacets share what they reflect and let through.
+fn is_refracting(b: Bsdf) -> bool {
+    return has_transmission && b.transmission > 0.0 && b.eta > 0.0 && b.eta != 1.0;
+}
+
+// Of the rays that meet a microfacet of a transparent body those that are reflected, where it reflects `fresnel` of the light.
+fn mirror_share(b: Bsdf, fresnel: vec3f) -> f32 {
+    let reflected = dot(fresnel, vec3f(1.0 / 3.0));
+    return reflected / max(reflected + (1.0 - reflected) * max_component(b.base_color), 1e-6);
 }
 
 fn mean_alpha(b: Bsdf) -> f32 {
@@ -95,7 +107,7 @@ fn stretch2(b: Bsdf) -> f32 {
 }
 
 // At which cosine and roughness isotropic surfaces lose as much light between their microfacets. Of widths that differ it is about their
-// root mean square, from where a surface is stretched in the viewer's plane as this one is: within 0.03 by integration, 0.09 at
+// root mean square, from where a surface is stretched in the viewer's plane as this one is: within 0.05 by integration, 0.09 at
 // grazing angles.
 fn table_place(b: Bsdf, wo: vec3f) -> vec2f {
     if (!is_stretched(b)) {
@@ -188,7 +200,7 @@ fn lobes(b: Bsdf, wo: vec3f) -> Lobes {
         if (has_transmission) {
             // What a thin transparent wall doesn't reflect isn't absorbed: it meets the next microfacet.
             l.through = 1.0 + lost;
-            if (b.transmission > 0.0 && b.eta > 0.0 && b.eta != 1.0) {
+            if (is_refracting(b)) {
                 // The same at the surface of a body, where what single scattering leaves depends on the index too.
                 l.through = 1.0 / max(glass_albedo(place.x, place.y, b.eta), 0.1);
             }
@@ -208,13 +220,14 @@ fn lobes(b: Bsdf, wo: vec3f) -> Lobes {
         l.sheen = albedo_lookup(wo.z, b.sheen_roughness).z;
     }
 
-    // Of the reflection as a whole. Where light goes through, smooth surfaces are what matters, and the angle alone counts.
+    // Of the reflection as a whole. Where light goes through a thin wall, smooth ones are what matters, and the angle alone counts.
     let skin = with_film_over(b, b.specular * (b.dielectric_f0 * l.table.x + l.table.y), l.table);
     var glass = skin;
     if (has_transmission && b.transmission > 0.0) {
         glass = dielectric_fresnel(b, wo.z);
     }
-    let dielectric = mix(skin, glass, b.transmission);
+    let refracts = is_refracting(b);
+    let dielectric = mix(skin, select(glass, vec3f(0.0), refracts), b.transmission);
     let metal = with_film_over(b, b.base_color * l.table.x + l.table.y, l.table);
     let below = below_layers(b, l);
     let inside = below * (1.0 - b.metallic);
@@ -224,11 +237,13 @@ fn lobes(b: Bsdf, wo: vec3f) -> Lobes {
     let diffuse = inside * (1.0 - max_component(skin)) * (1.0 - b.transmission);
     l.diffuse_p = diffuse * (1.0 - b.diffuse_transmission) * max_component(b.base_color);
     l.back_p = diffuse * b.diffuse_transmission * max_component(b.diffuse_transmission_color);
-    if (b.eta > 0.0) {
-        // Where the surface as a whole reflects all, rough as it is, some of its microfacets let light out.
-        let least = select(0.0, 0.5 * place.y, b.eta < 1.0);
-        let passing = inside * max(1.0 - max_component(glass), least);
-        l.through_p = passing * b.transmission * max_component(b.base_color);
+    if (refracts) {
+        let reflected = dot(glass, vec3f(1.0 / 3.0));
+        let passing = (1.0 - reflected) * max_component(b.base_color);
+        l.through_p = inside * b.transmission * (reflected + passing);
+        l.mirror = mirror_share(b, glass);
+    } else if (b.eta > 0.0) {
+        l.through_p = inside * (1.0 - max_component(glass)) * b.transmission * max_component(b.base_color);
     }
     let sum = l.coat_p + l.sheen_p + l.specular_p + l.diffuse_p + l.back_p + l.through_p;
     if (sum > 0.0) {
@@ -286,9 +301,17 @@ fn eval_above(b: Bsdf, l: Lobes, wo: vec3f, wi: vec3f) -> vec4f {
     let skin = skin_fresnel(b, cosine);
     var f = vec3f(0.0);
     var pdf = 0.0;
-    if (l.specular_p > 0.0) {
-        let reflected = mix(dielectric_reflection(b, l, skin, cosine), metal_fresnel(b, cosine) * l.metal_gloss, b.metallic);
-        f += reflected * ggx_reflection(wo, wi, h, b.alpha);
+    let refracts = is_refracting(b) && l.through_p > 0.0;
+    if (l.specular_p > 0.0 || refracts) {
+        var dielectric = skin * l.gloss;
+        if (has_transmission && b.transmission > 0.0) {
+            let glass = dielectric_fresnel(b, cosine);
+            dielectric = mix(dielectric, glass * l.through, b.transmission);
+            if (refracts) {
+                pdf += l.through_p * mirror_share(b, glass) * ggx_normal_pdf(wo, h, b.alpha) / (4.0 * cosine);
+            }
+        }
+        f += mix(dielectric, metal_fresnel(b, cosine) * l.metal_gloss, b.metallic) * ggx_reflection(wo, wi, h, b.alpha);
         pdf += l.specular_p * ggx_reflection_pdf(wo, h, b.alpha);
     }
     if (l.diffuse_p > 0.0) {
@@ -311,15 +334,6 @@ fn eval_above(b: Bsdf, l: Lobes, wo: vec3f, wi: vec3f) -> vec4f {
         }
     }
     return vec4f(f, pdf);
-}
-
-// What the dielectric reflects at a microfacet, multiple scattering included: of its share that is transparent as glass does.
-fn dielectric_reflection(b: Bsdf, l: Lobes, skin: vec3f, cosine: f32) -> vec3f {
-    let reflected = skin * l.gloss;
-    if (!has_transmission || b.transmission <= 0.0) {
-        return reflected;
-    }
-    return mix(reflected, dielectric_fresnel(b, cosine) * l.through, b.transmission);
 }
 
 // Share of light that reaches the body below the dielectric's reflection and is not transmitted.
@@ -388,7 +402,7 @@ fn eval_below(b: Bsdf, l: Lobes, wo: vec3f, wi: vec3f) -> vec4f {
                 let normals = ggx_normal_pdf(wo, h, b.alpha);
                 let masking = (1.0 + ggx_root(wo, b.alpha)) / (ggx_root(wo, b.alpha) + ggx_root(wi, b.alpha));
                 f += passing * (vec3f(1.0) - fresnel) * (normals * jacobian * masking / (b.eta * b.eta));
-                pdf += l.through_p * normals * jacobian;
+                pdf += l.through_p * (1.0 - mirror_share(b, fresnel)) * normals * jacobian;
             }
         }
     }
@@ -406,8 +420,25 @@ fn within_share(place: f32, share: f32) -> f32 {
     return min(place / share, 0.99999994);
 }
 
+// A direction that a microfacet of a transparent body reflects or refracts to, by how much it does of either: by how much the surface
+// as a whole does, rough glass would let few rays through where single microfacets let much through, and these would count for as much
+// more. The first number decides by the latter, so that points are as well spread, and `coin` changes as many of these as have to be.
+fn sample_glass(b: Bsdf, mirror: f32, wo: vec3f, u: vec2f, coin: f32) -> vec3f {
+    var mirrors = u.x < mirror;
+    let share = select(1.0 - mirror, mirror, mirrors);
+    let place = within_share(select(u.x - mirror, u.x, mirrors), share);
+    let h = sample_visible_normal(wo, b.alpha, 1.0, vec2f(place, u.y));
+    let reflected = mirror_share(b, dielectric_fresnel(b, dot(wo, h)));
+    if (coin * share >= select(1.0 - reflected, reflected, mirrors)) {
+        mirrors = !mirrors;
+    }
+    let wi = select(refract(-wo, h, 1.0 / b.eta), reflect(-wo, h), mirrors);
+    // What misses its side meets another microfacet, which the factor for multiple scattering stands for.
+    return select(vec3f(0.0), wi, mirrors == (wi.z > 0.0));
+}
+
 // A direction. `l` is `lobes(b, wo)`. The first number chooses the lobe, too: points in each are as well spread as all together.
-fn bsdf_sample(b: Bsdf, l: Lobes, wo: vec3f, u: vec2f) -> BsdfSample {
+fn bsdf_sample(b: Bsdf, l: Lobes, wo: vec3f, u: vec3f) -> BsdfSample {
     let none = BsdfSample(vec3f(0.0), vec3f(0.0), 0.0);
     if (wo.z <= 0.0) {
         return none;
@@ -428,10 +459,11 @@ fn bsdf_sample(b: Bsdf, l: Lobes, wo: vec3f, u: vec2f) -> BsdfSample {
         if (b.eta == 1.0) {
             wi = sample_reflection(wo, b.alpha, v);
             wi.z = -wi.z;
+            side = -1.0;
         } else {
-            wi = refract(-wo, sample_visible_normal(wo, b.alpha, 1.0, v), 1.0 / b.eta);
+            wi = sample_glass(b, l.mirror, wo, v, u.z);
+            side = sign(wi.z);
         }
-        side = -1.0;
     } else if (has_layers && after_coat < 0.0) {
         let o = to_coat(b, wo);
         if (o.z <= 0.0) {

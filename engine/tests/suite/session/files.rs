@@ -54,6 +54,77 @@ fn a_source_is_swapped_and_a_wrong_one_is_not() {
 }
 
 #[test]
+fn what_the_look_gives_outlives_its_parameter() {
+    if device::open().is_none() {
+        return;
+    }
+    let stage = Stage::new(LOOK, &TEXTURES);
+    let mut session = stage.open("scene.look.toml");
+    let old = film(&mut session);
+    let mut save = |name: &str, text: &str| {
+        stage.write(name, text);
+        session.sources_changed();
+        session.look_changed();
+        settle(&mut session);
+        (session.problems().to_string(), film(&mut session))
+    };
+    // Renamed, removed, retyped; and as it was.
+    for other in [
+        RINGS.replace("count", "number"),
+        "fn userProc() -> f32 { return 0.5; }".to_owned(),
+        "fn userProc(count: ramp1D) -> f32 { return rampEval(count, 0.5).x; }".to_owned(),
+    ] {
+        let (told, shown) = save("textures/rings.wgsl", &other);
+        assert!(
+            told.contains("scene.look.toml:") && told.contains("count"),
+            "{other}: {told}"
+        );
+        assert!(is_same(&old, &shown), "the picture is not lost: {other}");
+        let (told, shown) = save("textures/rings.wgsl", RINGS);
+        assert!(told.is_empty(), "{other}: {told}");
+        assert!(is_same(&old, &shown), "{other}");
+    }
+    // The look follows, in either order.
+    let squares = SQUARES.replace("count", "number");
+    let look = LOOK.replace("count =", "number =");
+    stage.write("textures/rings.wgsl", &squares);
+    let expected = stage.fresh(&look);
+    stage.write("textures/rings.wgsl", RINGS);
+    for (file, text, other, last) in [
+        ("textures/rings.wgsl", &*squares, "scene.look.toml", &*look),
+        ("scene.look.toml", LOOK, "textures/rings.wgsl", RINGS),
+        ("scene.look.toml", &*look, "textures/rings.wgsl", &*squares),
+    ] {
+        assert!(!save(file, text).0.is_empty(), "{file}");
+        let (told, shown) = save(other, last);
+        assert!(told.is_empty(), "{file}: {told}");
+        let wanted = if last == RINGS { &old } else { &expected };
+        assert!(is_same(wanted, &shown), "{file}");
+    }
+}
+
+#[test]
+fn a_texture_whose_file_is_gone_is_told_of_until_it_is_back() {
+    if device::open().is_none() {
+        return;
+    }
+    let stage = Stage::new(LOOK, &TEXTURES);
+    let mut session = stage.open("scene.look.toml");
+    let old = film(&mut session);
+    fs::remove_file(stage.path("textures/tint.wgsl")).expect("it is there");
+    session.sources_changed();
+    settle(&mut session);
+    let told = session.problems().to_string();
+    assert!(told.contains("texture `tint`: its file is gone"), "{told}");
+    assert!(is_same(&old, &film(&mut session)));
+    stage.write("textures/tint.wgsl", TINT);
+    session.sources_changed();
+    settle(&mut session);
+    assert!(session.problems().is_empty(), "{}", session.problems());
+    assert!(is_same(&old, &film(&mut session)));
+}
+
+#[test]
 fn a_look_is_followed_by_difference() {
     if device::open().is_none() {
         return;

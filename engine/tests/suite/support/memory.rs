@@ -136,7 +136,7 @@ impl Assets for InMemory {
     fn scene(&self, _: &mut Importer, _: &Path) -> Result<Imported, ImportError> {
         Ok(Imported {
             scene: self.scene.clone(),
-            warnings: Vec::new(),
+            ..Imported::default()
         })
     }
 }

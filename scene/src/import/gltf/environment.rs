@@ -3,26 +3,62 @@
 //! glTF has no environment of its own. A scene may carry one in its extras:
 //! `{"constant": [r, g, b]}`, or `{"uri": "sky.exr"}` (also `"file"`) with an optional rotation about +Y in degrees
 //! (`"rotation"` or `"rotation_y_deg"`) or as a row-major matrix (`"mitsuba_toWorld_row_major"`), and in both cases
-//! a factor (`"scale"` or `"intensity"`).
+//! a factor (`"scale"` or `"intensity"`). Whatever else is called so is somebody else's, and is ignored.
 
 use super::document::Document;
 use super::files::{self, UriTarget};
+use super::nodes::Kept;
 use crate::Environment;
 use crate::import::environment::load_environment_image;
 use crate::import::error::{At as _, Fault, ImportError, Warnings};
 use glam::Vec3;
 use serde_json::Value;
+use std::sync::PoisonError;
 
-/// The environment in the extras of a scene; black where there is none.
+/// What names a picture.
+pub(super) const NAMES: &[&str] = &["uri", "file"];
+
+/// The environment in the extras of a scene; black where there is none. What is kept of it is taken from there.
 pub(super) fn of_scene(
     document: &Document,
     scene: Option<usize>,
+    kept: Option<&Kept>,
     warnings: &mut Warnings,
 ) -> Result<Environment, ImportError> {
     let extras = scene.and_then(|scene| document.environments.get(scene)?.as_ref());
     let Some(extras) = extras else {
         return Ok(Environment::default());
     };
+    let Some(kept) = kept else {
+        return read(document, extras, warnings);
+    };
+    let mut kept = (kept.environment.lock()).unwrap_or_else(PoisonError::into_inner);
+    let (environment, told) = match kept.take() {
+        Some(known) => known,
+        None => {
+            let mut own = Warnings::default();
+            let environment = read(document, extras, &mut own)?;
+            (environment, own.into_vec())
+        }
+    };
+    told.iter().for_each(|warning| warnings.push(warning));
+    *kept = Some((environment.clone(), told));
+    Ok(environment)
+}
+
+fn read(
+    document: &Document,
+    extras: &Value,
+    warnings: &mut Warnings,
+) -> Result<Environment, ImportError> {
+    if !["constant"]
+        .iter()
+        .chain(NAMES)
+        .any(|key| extras.get(*key).is_some())
+    {
+        warnings.push("the scene's extras have an `environment` with neither \"constant\" nor \"uri\"; it is ignored");
+        return Ok(Environment::default());
+    }
     let place = || "scene extras, environment".to_owned();
     let scale = match number(extras, &["scale", "intensity"]) {
         None => 1.0,
@@ -41,11 +77,9 @@ pub(super) fn of_scene(
             .at(&document.path, place)?;
         return Ok(Environment::Constant(color));
     }
-    let uri = ["uri", "file"]
-        .iter()
-        .find_map(|key| extras.get(*key)?.as_str());
+    let uri = NAMES.iter().find_map(|key| extras.get(*key)?.as_str());
     let Some(uri) = uri else {
-        return Err("has neither \"constant\" nor \"uri\"".to_owned()).at(&document.path, place);
+        return Err("its \"uri\" is not the name of a file".to_owned()).at(&document.path, place);
     };
     let UriTarget::File(path) =
         files::resolve(&*document.files, document.folder(), uri).at(&document.path, place)?
@@ -98,8 +132,38 @@ fn rotation(extras: &Value, warnings: &mut Warnings) -> Result<f32, Fault> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::tests::{import, square};
     use super::*;
     use serde_json::json;
+
+    #[test]
+    fn what_others_call_an_environment_is_ignored() {
+        for foreign in [json!("studio"), json!(3), json!([1, 2]), json!({ "id": 7 })] {
+            let mut tree = square();
+            let extras = json!({ "environment": foreign });
+            tree["scenes"] = json!([{ "nodes": [0], "extras": extras }]);
+            let imported = import(tree).expect("it is shown");
+            assert!(imported.environment_problem.is_none(), "{foreign}");
+            let said = imported.warnings.join("\n");
+            assert!(said.contains("`environment`"), "{foreign}: {said}");
+        }
+    }
+
+    #[test]
+    fn one_that_cannot_be_read_is_a_problem_of_its_own() {
+        for (own, says) in [
+            (json!({ "uri": "no such.exr" }), "no such.exr"),
+            (json!({ "uri": 3 }), "not the name of a file"),
+            (json!({ "constant": [1, -2, 3] }), "not negative"),
+        ] {
+            let mut tree = square();
+            let extras = json!({ "environment": own });
+            tree["scenes"] = json!([{ "nodes": [0], "extras": extras }]);
+            let imported = import(tree).expect("all else is there");
+            let problem = imported.environment_problem.expect("it is told");
+            assert!(problem.to_string().contains(says), "{problem}");
+        }
+    }
 
     fn degrees(extras: Value) -> f32 {
         rotation(&extras, &mut Warnings::default()).unwrap()

@@ -255,3 +255,11 @@ fn read_attributes(
     mesh.custom = custom::read(attributes, used, dropped)?;
     Ok(())
 }
+
+/// Whether a primitive is made of triangles, which are all that is rendered.
+pub(super) fn has_triangles(primitive: &json::mesh::Primitive) -> bool {
+    matches!(
+        primitive.mode,
+        Checked::Valid(Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)
+    )
+}

@@ -3,13 +3,15 @@
 use super::animation::{Local, Places};
 use super::document::Document;
 use crate::import::error::{At as _, Fault, ImportError, Warnings};
-use glam::{DAffine3, DMat4, DQuat, DVec3};
+use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 use gltf::json;
 
 /// The nodes of a file in the world.
 pub(super) struct Nodes {
     /// Node to world; may hold anything, also infinities.
     pub(super) world: Vec<DAffine3>,
+    /// How each is turned by its own rotation and those above it, whatever their scales.
+    pub(super) turns: Vec<DQuat>,
     /// The topmost node above each, which may be itself.
     pub(super) tops: Vec<usize>,
     /// Nodes of the rendered scene, parents before children.
@@ -32,6 +34,7 @@ pub(super) fn resolve(
         .collect();
 
     let mut world = vec![DAffine3::IDENTITY; root.nodes.len()];
+    let mut turns = vec![DQuat::IDENTITY; root.nodes.len()];
     let order = depth_first(root, tops.iter().copied());
     if order.len() < root.nodes.len() {
         // Nodes with one parent each that no root leads to can only be in a cycle.
@@ -44,11 +47,14 @@ pub(super) fn resolve(
     for &node in &order {
         topmost[node] = parents[node].map_or(node, |parent| topmost[parent]);
         let parent = parents[node].map_or(placement, |parent| world[parent]);
-        let local = local_transform(&root.nodes[node], places.of(node)).unwrap_or_else(|problem| {
+        let local = local_transform(&root.nodes[node], places.of(node));
+        let (local, turn) = local.unwrap_or_else(|problem| {
             warnings.push(format!("{}: {problem}", describe(root, node)));
-            DAffine3::IDENTITY
+            (DAffine3::IDENTITY, DQuat::IDENTITY)
         });
         world[node] = parent * local;
+        let above = parents[node].map_or_else(|| turn_of(&placement), |parent| turns[parent]);
+        turns[node] = (above * turn).normalize();
     }
 
     // Without a default scene the first one is meant, and without scenes everything.
@@ -75,6 +81,7 @@ pub(super) fn resolve(
     };
     Ok(Nodes {
         world,
+        turns,
         tops: topmost,
         visible,
         scene,
@@ -122,12 +129,13 @@ fn depth_first(root: &json::Root, tops: impl DoubleEndedIterator<Item = usize>) 
     order
 }
 
-/// A node's transform, with what animations say in place of what is written.
-fn local_transform(node: &json::Node, moved: Option<&Local>) -> Result<DAffine3, Fault> {
+/// A node's transform and the rotation in it, with what animations say in place of what is written.
+fn local_transform(node: &json::Node, moved: Option<&Local>) -> Result<(DAffine3, DQuat), Fault> {
     if let Some(matrix) = node.matrix {
         let matrix = DMat4::from_cols_array(&matrix.map(f64::from));
         // The last row of an affine matrix is 0 0 0 1 and carries nothing.
-        return Ok(DAffine3::from_mat4(matrix));
+        let matrix = DAffine3::from_mat4(matrix);
+        return Ok((matrix, turn_of(&matrix)));
     }
     let moved = moved.copied().unwrap_or_default();
     let vector = |moved: Option<DVec3>, v: Option<[f32; 3]>, default| {
@@ -139,11 +147,23 @@ fn local_transform(node: &json::Node, moved: Option<&Local>) -> Result<DAffine3,
         (None, Some(json::scene::UnitQuaternion(q))) => unit_quaternion(q)
             .ok_or("its rotation is not a quaternion; its transform is ignored")?,
     };
-    Ok(DAffine3::from_scale_rotation_translation(
+    let transform = DAffine3::from_scale_rotation_translation(
         vector(moved.scale, node.scale, DVec3::ONE),
         rotation,
         vector(moved.translation, node.translation, DVec3::ZERO),
-    ))
+    );
+    Ok((transform, rotation))
+}
+
+/// The rotation in a transform, as far as it has one.
+fn turn_of(transform: &DAffine3) -> DQuat {
+    let (x, z) = (transform.matrix3.x_axis, transform.matrix3.z_axis);
+    let up = z.cross(x).normalize_or_zero();
+    let back = z.normalize_or_zero();
+    match (up != DVec3::ZERO && back != DVec3::ZERO).then(|| up.cross(back)) {
+        Some(right) => DQuat::from_mat3(&DMat3::from_cols(right, up, back)),
+        None => DQuat::IDENTITY,
+    }
 }
 
 /// A rotation from numbers that are only nearly of unit length.

@@ -18,6 +18,8 @@ impl Album for Document {
             return entry();
         };
         match (&image.uri, image.buffer_view) {
+            // What is there already need not be decoded to be told from others.
+            (Some(uri), _) if uri.starts_with("data:") => entry(),
             (Some(uri), _) => match files::resolve(&*self.files, self.folder(), uri) {
                 Ok(UriTarget::File(path)) => Key::File(self.files.id(&path)),
                 _ => entry(),

@@ -2,7 +2,7 @@
 
 use crate::import::error::Warnings;
 use crate::{Camera, LightKind, Projection, PunctualLight};
-use glam::{Affine3A, DAffine3, Mat3A, Vec3};
+use glam::{Affine3A, DAffine3, DQuat, Mat3A, Vec3};
 use gltf::json;
 use json::extensions::scene::khr_lights_punctual::{Light, Type};
 use json::validation::Checked;
@@ -11,16 +11,17 @@ use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 /// Focus distance where nothing says better, metres.
 const FOCUS_DISTANCE: f32 = 1.0;
 
-/// Places a camera. `None`, with a warning, where its numbers describe no view.
+/// Places a camera whose node and those above it `turn` it so. `None`, with a warning, where its numbers describe no view.
 pub(super) fn camera(
     source: &json::Camera,
     name: String,
     world: &DAffine3,
+    turn: DQuat,
     warnings: &mut Warnings,
 ) -> Option<Camera> {
-    let Some(transform) = rigid(world) else {
+    let Some(transform) = placed(world, turn) else {
         warnings.push(format!(
-            "camera \"{name}\": its transform has no direction; it is left out"
+            "camera \"{name}\": its transform is not finite; it is left out"
         ));
         return None;
     };
@@ -147,6 +148,15 @@ fn spot(source: &Light, name: &str, warnings: &mut Warnings) -> LightKind {
     }
 }
 
+/// Where a camera is. Scales mean nothing to it (glTF 2.0, section 3.10.2): scaled to nothing, it still looks where its turns say.
+fn placed(world: &DAffine3, turn: DQuat) -> Option<Affine3A> {
+    let flat = || DAffine3::from_rotation_translation(turn, world.translation);
+    match world.is_finite() {
+        true => rigid(world).or_else(|| rigid(&flat())),
+        false => None,
+    }
+}
+
 /// The transform without scale and shear: looks along the same -Z with +Y as near up as a rotation allows.
 fn rigid(world: &DAffine3) -> Option<Affine3A> {
     let back = world.matrix3.z_axis.normalize_or_zero();
@@ -169,7 +179,7 @@ fn rigid(world: &DAffine3) -> Option<Affine3A> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::{DQuat, DVec3};
+    use glam::DVec3;
 
     #[test]
     fn scale_and_mirroring_do_not_reach_the_camera() {
@@ -184,5 +194,20 @@ mod tests {
         let expected = DQuat::from_rotation_y(0.4).mul_vec3(DVec3::NEG_Z).as_vec3();
         assert!(looks.abs_diff_eq(expected, 1e-5));
         assert!(rigid(&DAffine3::from_scale(DVec3::ZERO)).is_none());
+    }
+
+    #[test]
+    fn a_camera_that_is_scaled_to_nothing_looks_where_it_is_turned() {
+        let turn = DQuat::from_rotation_y(0.4);
+        let to = DVec3::new(1.0, 2.0, 3.0);
+        for scale in [DVec3::ZERO, DVec3::new(1.0, 1.0, 0.0)] {
+            let world = DAffine3::from_scale_rotation_translation(scale, turn, to);
+            let camera = placed(&world, turn).expect("it has a place");
+            let looks = camera.transform_vector3(Vec3::NEG_Z);
+            let expected = turn.mul_vec3(DVec3::NEG_Z).as_vec3();
+            assert!(looks.abs_diff_eq(expected, 1e-5), "{looks}");
+            assert_eq!(Vec3::from(camera.translation), to.as_vec3());
+        }
+        assert!(placed(&DAffine3::from_scale(DVec3::INFINITY), turn).is_none());
     }
 }

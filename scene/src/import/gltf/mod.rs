@@ -31,7 +31,7 @@ mod tests;
 
 use super::budget::Budget;
 use super::error::{ImportError, Warnings};
-use super::format::{Described, Format, Imported, Opened, Request};
+use super::format::{Described, Format, Imported, NodeNames, Opened, Request};
 use super::merge::make_names_unique;
 use crate::input::Files;
 use crate::{Environment, LightGroups, Motion, Scene};
@@ -148,14 +148,16 @@ fn assemble(
         places: &places,
         kept,
     };
+    let mut names = NodeNames::default();
     let (meshes, instances) = nodes::instances(
         document,
         &stage,
         &materials,
         request.scene.instances.len(),
+        &mut names,
         &mut warnings,
     )?;
-    let (lights, cameras) = nodes::lights_and_cameras(document, &nodes, &mut warnings)?;
+    let (lights, cameras) = nodes::lights_and_cameras(document, &nodes, &mut names, &mut warnings)?;
     let (images, slots) =
         (request.pictures).load(document, &requests, &request.scene.images, &mut warnings)?;
     for material in &mut materials {
@@ -163,19 +165,17 @@ fn assemble(
             texture.image = slots[texture.image as usize];
         }
     }
-    let environment = if request.with_environment {
-        environment::of_scene(document, nodes.scene, &mut warnings)?
-    } else {
-        Environment::default()
+    let environment = match request.with_environment {
+        true => environment::of_scene(document, nodes.scene, kept, &mut warnings),
+        false => Ok(Environment::default()),
+    };
+    let (environment, environment_problem) = match environment {
+        Ok(environment) => (environment, None),
+        Err(problem) => (Environment::default(), Some(problem)),
     };
 
-    // The stand-in for missing materials is last; it stays only where something uses it.
-    let stand_in = materials.len() as u32 - 1;
-    if !meshes
-        .iter()
-        .any(|mesh| mesh.triangle_materials.contains(&stand_in))
-        && stand_in > 0
-    {
+    // The stand-in for missing materials is last; it stays only where something may use it.
+    if materials.len() > 1 && !nodes::want_material(document, &nodes) {
         materials.pop();
     }
     make_names_unique(&mut materials, &HashSet::new());
@@ -190,6 +190,8 @@ fn assemble(
             light_groups: LightGroups::default(),
             environment,
         },
+        names,
+        environment_problem,
         warnings: warnings.into_vec(),
     })
 }

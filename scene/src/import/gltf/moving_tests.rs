@@ -464,3 +464,66 @@ fn what_bends_has_the_same_vertices_at_all_moments() {
         assert_eq!(mesh.unbent.as_deref(), Some(&meshes[0].positions));
     }
 }
+
+#[test]
+fn what_is_scaled_to_nothing_is_known_by_its_name() {
+    let mut tree = square();
+    tree["extensions"] =
+        json!({ "KHR_lights_punctual": { "lights": [{ "type": "spot", "name": "Lamp" }] } });
+    tree["materials"] = json!([{ "name": "unused" }]);
+    tree["cameras"] =
+        json!([{ "type": "perspective", "perspective": { "yfov": 1.0, "znear": 0.1 } }]);
+    let light = json!({ "KHR_lights_punctual": { "light": 0 } });
+    tree["nodes"] = json!([
+        { "name": "Body", "children": [1, 2], "mesh": 0 },
+        { "name": "Bulb", "extensions": light },
+        { "name": "Eye", "camera": 0 },
+    ]);
+    let scales = [1.0, 1.0, 1.0, 0.0, 0.0, 0.0];
+    animate(&mut tree, 0, "scale", &[0.0, 1.0], &scales);
+    let there = import_at(tree.clone(), &usual(0.0)).expect("it is sound");
+    assert_eq!(there.names.lights, ["Bulb"]);
+    assert!(there.names.gone_meshes.is_empty() && there.names.gone_lights.is_empty());
+    let gone = import_at(tree, &usual(1.0)).expect("it is sound");
+    assert!(gone.scene.instances.is_empty() && gone.scene.lights.is_empty());
+    assert!(gone.names.gone_meshes.contains("Body"));
+    let lamp = ("Bulb".to_owned(), "Lamp".to_owned());
+    assert!(gone.names.lights.is_empty() && gone.names.gone_lights.contains(&lamp));
+    // The material of what has none, and the camera, are those of all moments.
+    let names = |scene: &Scene| {
+        scene
+            .materials
+            .iter()
+            .map(|m| m.name.clone())
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(names(&gone.scene), ["unused", "default"]);
+    assert_eq!(names(&there.scene), names(&gone.scene));
+    let transform = |scene: &Scene| scene.cameras[0].transform;
+    assert_eq!(transform(&there.scene), transform(&gone.scene));
+}
+
+#[test]
+fn the_environment_is_decoded_once() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let (path, sky) = (folder.path().join("a.gltf"), folder.path().join("sky.png"));
+    let mut tree = square();
+    tree["asset"] = json!({ "version": "2.0" });
+    tree["scenes"] = json!([{ "nodes": [0], "extras": { "environment": { "uri": "sky.png" } } }]);
+    animate(&mut tree, 0, "translation", &[0.0, 1.0], &RIGHT);
+    std::fs::write(&path, tree.to_string()).expect("written");
+    let pixels = image::RgbImage::from_pixel(2, 1, image::Rgb([9, 200, 90]));
+    pixels.save(&sky).expect("a picture");
+    let mut importer = Importer::new();
+    for seconds in [0.0, 0.5] {
+        importer.begin(usual(seconds));
+        let read = importer.load(&path).expect("it is sound");
+        assert!(read.environment_problem.is_none());
+        let crate::Environment::Image { image, .. } = read.scene.environment else {
+            panic!("it has a picture");
+        };
+        assert_eq!((image.width, image.height), (2, 1));
+        // From now on it is what was kept.
+        let _ = std::fs::remove_file(&sky);
+    }
+}

@@ -4,17 +4,18 @@ use super::accessor::Accessor;
 use super::animation::Places;
 use super::deform::Pose;
 use super::document::Document;
-use super::geometry::{Builder, Built};
+use super::geometry::{Builder, Built, has_triangles};
 use super::hierarchy::{Nodes, describe, unit_quaternion};
 use super::lights_cameras;
 use crate::import::error::{At as _, Fault, ImportError, Warnings};
+use crate::import::format::NodeNames;
 use crate::import::mesh::warn_of_dropped;
 use crate::import::place::{MAX_INSTANCES, check_count, invertible};
-use crate::{Camera, Instance, Material, Mesh, PunctualLight};
+use crate::{Camera, Environment, Instance, Material, Mesh, PunctualLight};
 use glam::{Affine3A, DAffine3, DMat4, DVec3, Mat3A, Vec3};
 use gltf::json;
 use rayon::prelude::*;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::{Arc, Mutex, PoisonError};
 
 const INSTANCING: &str = "EXT_mesh_gpu_instancing";
@@ -38,9 +39,10 @@ impl Request {
     }
 }
 
-/// Meshes that look the same whenever they are seen, for files that are read again and again.
+/// What is the same whenever it is seen, for files that are read again and again: the environment with its warnings, and meshes.
 #[derive(Debug, Default)]
 pub(super) struct Kept {
+    pub(super) environment: Mutex<Option<(Environment, Vec<String>)>>,
     built: Mutex<HashMap<Request, Built>>,
     /// Those that bend, by their numbers, and whether they are mirrored.
     unbent: Mutex<HashMap<(usize, bool), Unbent>>,
@@ -111,10 +113,11 @@ pub(super) fn instances(
     stage: &Stage<'_>,
     materials: &[Material],
     before: usize,
+    names: &mut NodeNames,
     warnings: &mut Warnings,
 ) -> Result<(Vec<Mesh>, Vec<Instance>), ImportError> {
     let nodes = stage.nodes;
-    let (requests, mut instances) = list(document, stage, before, warnings)?;
+    let (requests, mut instances) = list(document, stage, before, names, warnings)?;
     let builder = Builder {
         document,
         materials,
@@ -165,9 +168,27 @@ pub(super) fn instances(
             instance.mesh = number;
             true
         }
-        None => false,
+        None => {
+            names.gone_meshes.insert(std::mem::take(&mut instance.name));
+            false
+        }
     });
     Ok((meshes, instances))
+}
+
+/// Whether a primitive of a visible node has no material.
+pub(super) fn want_material(document: &Document, nodes: &Nodes) -> bool {
+    let root = &document.root;
+    let meshes = nodes
+        .visible
+        .iter()
+        .filter_map(|&node| root.nodes[node].mesh);
+    let meshes: HashSet<usize> = meshes.map(|mesh| mesh.value()).collect();
+    let mut primitives = meshes
+        .iter()
+        .filter_map(|&mesh| root.meshes.get(mesh))
+        .flat_map(|mesh| &mesh.primitives);
+    primitives.any(|primitive| primitive.material.is_none() && has_triangles(primitive))
 }
 
 /// The meshes to build, and instances that refer to that list.
@@ -175,6 +196,7 @@ fn list(
     document: &Document,
     stage: &Stage<'_>,
     before: usize,
+    names: &mut NodeNames,
     warnings: &mut Warnings,
 ) -> Result<(Vec<Request>, Vec<Instance>), ImportError> {
     let nodes = stage.nodes;
@@ -201,11 +223,12 @@ fn list(
                 place()
             ));
         }
+        let name = node.name.clone().unwrap_or_else(|| format!("node {index}"));
         if usable.is_empty() {
+            names.gone_meshes.insert(name);
             continue;
         }
         check_count(&document.path, before + instances.len() + usable.len())?;
-        let name = node.name.clone().unwrap_or_else(|| format!("node {index}"));
         // All pieces share the text.
         let top = nodes.tops[index];
         let asset = (top != index).then(|| {
@@ -248,6 +271,7 @@ fn list(
 pub(super) fn lights_and_cameras(
     document: &Document,
     nodes: &Nodes,
+    node_names: &mut NodeNames,
     warnings: &mut Warnings,
 ) -> Result<(Vec<PunctualLight>, Vec<Camera>), ImportError> {
     let root = &document.root;
@@ -278,7 +302,9 @@ pub(super) fn lights_and_cameras(
             let name = free
                 .next()
                 .unwrap_or_else(|| numbered(&mut names, &node_name()));
-            if let Some(camera) = lights_cameras::camera(source, name.clone(), world, warnings) {
+            let turn = nodes.turns[index];
+            let camera = lights_cameras::camera(source, name.clone(), world, turn, warnings);
+            if let Some(camera) = camera {
                 names.insert(name, 0);
                 cameras.push(camera);
             }
@@ -292,7 +318,15 @@ pub(super) fn lights_and_cameras(
                 return Err(missing("light", light.light.value()));
             };
             let name = source.name.clone().unwrap_or_else(node_name);
-            lights.extend(lights_cameras::light(source, name, world, warnings));
+            match lights_cameras::light(source, name.clone(), world, warnings) {
+                Some(light) => {
+                    node_names.lights.push(node_name());
+                    lights.push(light);
+                }
+                None => {
+                    node_names.gone_lights.insert((node_name(), name));
+                }
+            }
         }
     }
     Ok((lights, cameras))

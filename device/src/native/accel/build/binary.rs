@@ -113,7 +113,9 @@ impl Tree {
             progress,
         };
         // Pages of zeros, which the threads that write to them find.
-        let mut nodes = bytemuck::zeroed_vec(2 * references.len() - 1);
+        let count = 2 * references.len() - 1;
+        let nodes = bytemuck::try_zeroed_vec::<BinaryNode>(count);
+        let mut nodes = nodes.map_err(|()| BuildError::no_room::<BinaryNode>(count))?;
         // A constant above the depth of a balanced tree, so that no input takes more than n log n steps.
         let levels = (2 * ceil_log2(references.len()) + 16).min(MAX_DEPTH);
         let mut whole = Side {

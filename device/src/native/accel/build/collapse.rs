@@ -11,7 +11,7 @@ use super::{
         bounds::Bounds,
         layout::{EMPTY, LEAF, Node},
     },
-    Hierarchy,
+    BuildError, Hierarchy,
     binary::Tree,
     order::{Search, sort_children},
 };
@@ -34,11 +34,14 @@ struct Part<L> {
 }
 
 /// Joins the whole tree; `leaf` makes what a leaf holds, and `search` says what to expect of that.
+///
+/// # Errors
+/// There is no memory for it.
 pub(super) fn collapse<L: Pod + Send + Sync>(
     tree: &Tree,
     leaf: &(impl Fn(&[u32]) -> L + Sync),
     search: &(impl Fn(&L, Bounds) -> Search + Sync),
-) -> Hierarchy<L> {
+) -> Result<Hierarchy<L>, BuildError> {
     let whole = 0..tree.nodes.len();
     let Part {
         mut nodes,
@@ -54,10 +57,8 @@ pub(super) fn collapse<L: Pod + Send + Sync>(
     // All parts behind the first, each where it is to be, by all threads.
     let (first_nodes, first_leaves) = (nodes.len(), leaves.len());
     let of_parts = |length: fn(&Part<L>) -> usize| parts.iter().map(length).sum::<usize>();
-    let mut all_nodes: Values<Node> =
-        Values::zeroed(first_nodes + of_parts(|part| part.nodes.len()));
-    let mut all_leaves: Values<L> =
-        Values::zeroed(first_leaves + of_parts(|part| part.leaves.len()));
+    let mut all_nodes: Values<Node> = zeroed(first_nodes + of_parts(|part| part.nodes.len()))?;
+    let mut all_leaves: Values<L> = zeroed(first_leaves + of_parts(|part| part.leaves.len()))?;
     let (mut next_node, mut next_leaf) = (first_nodes, first_leaves);
     let (head_of_nodes, mut rest_of_nodes) = all_nodes.split_at_mut(first_nodes);
     let (head_of_leaves, mut rest_of_leaves) = all_leaves.split_at_mut(first_leaves);
@@ -104,13 +105,17 @@ pub(super) fn collapse<L: Pod + Send + Sync>(
             }
             leaves.copy_from_slice(&part.leaves);
         });
-    Hierarchy {
+    Ok(Hierarchy {
         nodes: all_nodes,
         leaves: all_leaves,
         bounds: tree.nodes[0].bounds(),
         depth,
         search: of_root,
-    }
+    })
+}
+
+fn zeroed<T: Pod>(length: usize) -> Result<Values<T>, BuildError> {
+    Values::zeroed(length).ok_or_else(|| BuildError::no_room::<T>(length))
 }
 
 /// Joins the subtree that lies in `subtree`, but leaves those of up to `task` nodes to others.
@@ -198,5 +203,18 @@ fn open(tree: &Tree, subtree: Range<usize>, children: &mut Vec<Range<usize>>) {
             let to_left = choice.left(roots);
             forests.extend([(right, roots - to_left), (left, to_left)]);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_hierarchy_that_has_no_room_is_an_error() {
+        let refused = zeroed::<Node>(1 << 54).err();
+        assert_eq!(refused, Some(BuildError::NoRoom { bytes: 1 << 62 }));
+        let said = refused.map(|error| error.to_string()).unwrap_or_default();
+        assert!(said.contains("take a smaller scene"), "{said}");
     }
 }

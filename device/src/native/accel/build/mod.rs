@@ -40,7 +40,7 @@ impl<L: Pod + Send + Sync> Hierarchy<L> {
     /// `search` says what an any-hit ray has to expect of it in its box.
     ///
     /// # Errors
-    /// If `progress` says that it is to end.
+    /// If `progress` says that it is to end, or there is no memory for it.
     pub(super) fn build(
         mut references: Vec<Reference>,
         most: usize,
@@ -59,6 +59,6 @@ impl<L: Pod + Send + Sync> Hierarchy<L> {
         }
         let tree = binary::Tree::build(&mut references, most, progress)?;
         drop(references);
-        Ok(collapse::collapse(&tree, &leaf, &search))
+        collapse::collapse(&tree, &leaf, &search)
     }
 }

@@ -21,6 +21,23 @@ pub enum BuildError {
         /// Most that a mesh may have.
         most: usize,
     },
+    /// The processor's memory is used up.
+    #[error(
+        "the memory has no room left for the hierarchy of the geometry, {bytes} bytes; end what else uses it, or take a smaller scene"
+    )]
+    NoRoom {
+        /// Bytes of what doesn't fit, a part of the hierarchy or of what it is built from.
+        bytes: usize,
+    },
+}
+
+impl BuildError {
+    /// There is no memory for so many values.
+    pub(in super::super) fn no_room<T>(length: usize) -> Self {
+        Self::NoRoom {
+            bytes: length.saturating_mul(size_of::<T>()),
+        }
+    }
 }
 
 /// Counts steps of n log n, and hands their share of the whole to a callback.

@@ -327,6 +327,50 @@ fn files_are_packed_in_every_way() {
 }
 
 #[test]
+fn b44_packs_what_it_has_room_for() {
+    // The last rows of the first three are too few for whole squares of 4 x 4 numbers.
+    for (width, height, has_room) in [
+        (256, 33, false),
+        (1100, 1, false),
+        (300, 34, false),
+        (2, 17, true),
+        (1, 65, true),
+        (40, 1, true),
+        (256, 36, true),
+        (100, 64, true),
+    ] {
+        let mut film = Film::new(width, height);
+        for pixel in 0..film.pixels() {
+            let value = 0.5 + 0.4 * (0.1 * pixel as f32).sin();
+            film.add_sample(pixel, [value, 0.5 * value, 0.25]);
+        }
+        for compression in [Compression::B44, Compression::B44a] {
+            let form = Form::new(compression, &["all"], &[""; 0]).expect("a form");
+            let content = Content {
+                form: &form,
+                ..Content::from(&film)
+            };
+            let bytes = written(content);
+            let meta = exr::meta::MetaData::read_from_buffered(&bytes[..], true);
+            let packing = meta.expect("read").headers.remove(0).compression;
+            let expected = match has_room {
+                true => compression.packing(),
+                false => Packing::ZIP16,
+            };
+            let what = format!("{width}x{height}, {compression:?}");
+            assert_eq!(packing, expected, "{what}");
+            let (channels, _) = read(&bytes);
+            for (channel, name) in ["R", "G", "B"].into_iter().enumerate() {
+                let means = film.mean();
+                let mut pairs = channels[name].iter().zip(&means);
+                let is_near = pairs.all(|(a, rgb)| (a - rgb[channel]).abs() < 0.05);
+                assert!(is_near && channels[name].len() == means.len(), "{what}");
+            }
+        }
+    }
+}
+
+#[test]
 fn groups_of_lights_have_their_names() {
     let film = Film::with_layers(2, 1, Layers::named(["light_groups"]).expect("known"));
     let mut origin = Origin::new("", Path::new(""), None, Vec::new());

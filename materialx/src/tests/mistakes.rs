@@ -1,0 +1,224 @@
+//! Mistakes in documents that are said, files that are not quite XML, and documents that are made to take long.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use super::{Memory, PICTURE, graph, imported, warnings};
+use crate::{Converted, Document, Wanted, convert, look_text};
+
+fn read(files: &Memory, text: &str) -> Converted {
+    let document = Document::parse(files, Path::new("a.mtlx"), text);
+    let document = document.unwrap_or_else(|problems| panic!("{}", problems.render()));
+    let converted = convert(&document, files, &Wanted::default());
+    converted.unwrap_or_else(|problems| panic!("{}", problems.render()))
+}
+
+#[test]
+fn outputs_and_inputs_that_nodes_have_not_are_named() {
+    let rest = r#"<nodedef name="ND" node="own"><input name="amount" type="float" value="0.5"/>
+        <output name="one" type="float"/><output name="two" type="float"/></nodedef>
+        <nodegraph name="NG" nodedef="ND"><constant name="k" type="float"><input name="vlue" type="float" value="1"/></constant>
+        <output name="one" type="float" nodename="k"/><output name="two" type="float" interfacename="amount"/></nodegraph>
+        <own name="x" type="multioutput"><input name="amont" type="float" value="0.75"/></own>
+        <position name="p" type="vector3"/>
+        <separate3 name="s" type="multioutput"><input name="in" type="vector3" nodename="p"/></separate3>"#;
+    let inputs = r#"<input name="metalness" type="float" nodename="x" output="three"/>
+        <input name="coat" type="float" nodename="x" output="two"/>
+        <input name="sheen" type="float" nodename="s" output="outq"/>"#;
+    let converted = imported(&Memory::default(), rest, inputs);
+    let said = warnings(&converted).join("\n");
+    for wanted in [
+        "`own` has no input `amont`: it has no effect; did you mean `amount`?",
+        "`constant` has no input `vlue`: it has no effect; did you mean `value`?",
+        "there is no output called `three` here",
+        "there is no output called `outq` here",
+    ] {
+        assert!(said.contains(wanted), "{wanted}:\n{said}");
+    }
+    assert!(look_text(&converted).contains("\ncoat = 0.5\n"));
+}
+
+#[test]
+fn of_materials_of_one_name_the_first_holds() {
+    let surface = |name: &str, metalness: &str| {
+        format!(
+            r#"<standard_surface name="{name}" type="surfaceshader"><input name="metalness" type="float" value="{metalness}"/></standard_surface>"#
+        )
+    };
+    let material = |name: &str, shader: &str| {
+        format!(
+            r#"<surfacematerial {name} type="material"><input name="surfaceshader" type="surfaceshader" nodename="{shader}"/></surfacematerial>"#
+        )
+    };
+    let text = format!(
+        r#"<materialx version="1.37">{}{}{}{}{}</materialx>"#,
+        surface("S", "0.25"),
+        surface("T", "0.75"),
+        material(r#"name="M""#, "S"),
+        material(r#"name="M""#, "T"),
+        material("", "T"),
+    );
+    let converted = read(&Memory::default(), &text);
+    let [material] = &converted.materials[..] else {
+        panic!("{:?}", converted.materials);
+    };
+    assert_eq!(material.name, "M");
+    assert!(look_text(&converted).contains("metallic = 0.25"));
+    let said = warnings(&converted).join("\n");
+    assert!(said.contains("another material called `M`"), "{said}");
+    assert!(said.contains("has no name"), "{said}");
+    assert!(said.contains("of version 1.37"), "{said}");
+}
+
+#[test]
+fn images_of_other_formats_have_their_default() {
+    let nodes = r#"<image name="i" type="color3"><input name="file" type="filename" value="a.tif"/>
+         <input name="default" type="color3" value="0.25, 0.5, 0.75"/></image>"#;
+    let (graph, input) = graph(nodes, "i");
+    let files = Memory::default().with("a.tif", "II*\0");
+    let converted = imported(&files, &graph, &input);
+    assert!(warnings(&converted)[0].contains("a.tif is no PNG, JPEG or WebP"));
+    assert!(look_text(&converted).contains("base_color = [0.25, 0.5, 0.75]"));
+}
+
+#[test]
+fn colour_spaces_matter_to_colours() {
+    let of = |ty: &str| {
+        let nodes = format!(
+            r#"<image name="i" type="{ty}"><input name="file" type="filename" value="a.webp" colorspace="acescg"/></image>
+            <convert name="c" type="color3"><input name="in" type="{ty}" nodename="i"/></convert>"#
+        );
+        let (graph, input) = graph(&nodes, "c");
+        let files = Memory::default().with("a.webp", PICTURE);
+        imported(&files, &graph, &input).warnings.render()
+    };
+    assert_eq!(of("float"), "");
+    assert!(of("color3").contains("`acescg`"));
+}
+
+#[test]
+fn colours_with_opacity_of_gltf_have_the_other_order() {
+    let of = |ty: &str, given: &str| {
+        let nodes = format!(
+            r#"<gltf_image name="i" type="{ty}"><input name="file" type="filename" value="a.webp"/>{given}</gltf_image>
+            <convert name="c" type="color3"><input name="in" type="{ty}" nodename="i"/></convert>"#
+        );
+        let (graph, input) = graph(&nodes, "c");
+        let files = Memory::default().with("a.webp", PICTURE);
+        look_text(&imported(&files, &graph, &input))
+    };
+    let given = r#"<input name="operationorder" type="integer" value="0"/>"#;
+    assert!(of("color4", "").contains("operationorder = 1"));
+    assert!(of("color4", given).contains("operationorder = 0"));
+    assert!(!of("color3", "").contains("operationorder"));
+}
+
+#[test]
+fn normal_maps_of_the_object_are_its_vectors() {
+    let nodes = |from: &str| {
+        format!(
+            r#"<noise3d name="n" type="vector3"/>
+            <normalmap name="m" type="vector3"><input name="in" type="vector3" {from}/>
+            <input name="space" type="string" value="object"/></normalmap>
+            <convert name="c" type="color3"><input name="in" type="vector3" nodename="m"/></convert>"#
+        )
+    };
+    let (driven, input) = graph(&nodes(r#"nodename="n""#), "c");
+    let text = look_text(&imported(&Memory::default(), &driven, &input));
+    assert!(
+        text.contains("texture = \"mx_normalize_3\"\nin = \"g_m_vector"),
+        "{text}"
+    );
+    assert!(!text.contains("mx_normalmap"), "{text}");
+    let (constant, input) = graph(&nodes(r#"value="1, 0.5, 0.5""#), "c");
+    let text = look_text(&imported(&Memory::default(), &constant, &input));
+    assert!(text.contains("base_color = [1.0, 0.0, 0.0]"), "{text}");
+}
+
+#[test]
+fn namespaces_of_materialx_are_read() {
+    let files = Memory::default().with(
+        "own.mtlx",
+        r#"<materialx version="1.39" namespace="my"><nodedef name="ND" node="grey"><output name="out" type="color3"/></nodedef>
+        <nodegraph name="NG" nodedef="ND"><constant name="k" type="color3"><input name="value" type="color3" value="0.25, 0.25, 0.25"/>
+        </constant><output name="out" type="color3" nodename="k"/></nodegraph></materialx>"#,
+    );
+    let text = "<materialx version=\"1.39\">\n<xi:include href=\"own.mtlx\"/>\n<my:grey name=\"g\" type=\"color3\"/>\n\
+        <nonsense name=\"n\" type=\"float\"/>\n<standard_surface name=\"S\" type=\"surfaceshader\">\
+        <input name=\"base_color\" type=\"color3\" nodename=\"g\"/><input name=\"coat\" type=\"float\" nodename=\"n\"/>\
+        </standard_surface>\n</materialx>";
+    let converted = read(&files, text);
+    let look = look_text(&converted);
+    assert!(look.contains("base_color = [0.25, 0.25, 0.25]"), "{look}");
+    // What has been added to the text moves no place.
+    let said = converted.warnings.render();
+    assert!(said.contains("a.mtlx:4:1"), "{said}");
+    assert!(!said.contains("xmlns"), "{said}");
+    // A file that ends too early is as wrong as without them, at its place.
+    let broken = Document::parse(
+        &files,
+        Path::new("a.mtlx"),
+        &text.replace("</standard_surface>", ""),
+    );
+    let broken = broken.expect_err("no XML").render();
+    assert!(
+        broken.contains("not valid XML") && broken.contains("a.mtlx:6"),
+        "{broken}"
+    );
+    let many: String = (0..100).map(|i| format!("<p{i}:a/>")).collect();
+    let many = format!("<materialx>{many}</materialx>");
+    let refused = Document::parse(&files, Path::new("a.mtlx"), &many);
+    assert!(
+        refused
+            .expect_err("too many")
+            .render()
+            .contains("not valid XML")
+    );
+}
+
+#[test]
+fn libraries_of_materialx_need_not_be_there() {
+    for href in [
+        "stdlib/stdlib_defs.mtlx",
+        "libraries/bxdf/standard_surface.mtlx",
+        "../libraries/other.mtlx",
+    ] {
+        let text = format!(
+            r#"<materialx version="1.39"><xi:include href="{href}"/><standard_surface name="S" type="surfaceshader"/></materialx>"#
+        );
+        assert_eq!(warnings(&read(&Memory::default(), &text)), [""; 0]);
+    }
+}
+
+#[test]
+fn many_definitions_and_names_do_not_multiply() {
+    let start = Instant::now();
+    let definitions: String = (0..3000)
+        .map(|i| format!(r#"<nodedef name="D{i}" node="foo" inherit="D{}"/>"#, i + 1))
+        .collect();
+    // A tree of sums, whose leaves are nodes of that category and noises.
+    let name = |i: usize| match i {
+        0..2047 => format!("t{i}"),
+        i if i % 2 == 0 => format!("f{i}"),
+        i => format!("x{i}"),
+    };
+    let node = |i: usize| {
+        let this = name(i);
+        let (left, right) = (name(2 * i + 1), name(2 * i + 2));
+        match this.as_bytes()[0] {
+            b'f' => format!(r#"<foo name="{this}" type="color3"/>"#),
+            b'x' => format!(r#"<noise3d name="{this}" type="vector3"/>"#),
+            _ => format!(
+                r#"<add name="{this}" type="color3"><input name="in1" type="color3" nodename="{left}" channels="r0g"/>
+                <input name="in2" type="color3" nodename="{right}"/></add>"#
+            ),
+        }
+    };
+    let nodes: String = (0..4095).map(node).collect();
+    let input = r#"<input name="base_color" type="color3" nodename="t0"/>"#;
+    let converted = imported(&Memory::default(), &(definitions + &nodes), input);
+    // Sums, noises, and a node for the channels of each sum.
+    assert_eq!(converted.nodes.len(), 2047 + 1024 + 2047);
+    let taken = start.elapsed();
+    assert!(taken < Duration::from_secs(20), "{taken:?}");
+}
