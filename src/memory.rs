@@ -57,7 +57,8 @@ impl Need {
             is_shared: device.traits().shares_the_processor,
         };
         let mut on_devices: Vec<_> = devices.iter().map(on_device).collect();
-        let is_judged = settings.method != Method::Path;
+        let is_judged =
+            settings.method != Method::Path && job.motion.has_equal_halves(job.whole_spp);
         // Where several devices render, a renderer that is made for it on one of them tells how right the picture is.
         let judge = (is_judged && devices.len() > 1).then(|| RenderSettings {
             method: Method::Path,

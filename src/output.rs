@@ -18,7 +18,7 @@ use engine::film::{Layers, Origin, Part};
 use engine::scene::view::View;
 use thiserror::Error;
 
-pub(crate) use self::identity::refuse_overwriting;
+pub(crate) use self::identity::{refuse_inputs, refuse_overwriting};
 pub(crate) use self::salvage::picture_flags;
 use crate::console;
 use crate::denoise::Denoised;

@@ -4,10 +4,10 @@
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use engine::scene::look::{Look, LookDocument, Section, Value, parse_value};
+use engine::scene::look::{Field, Look, LookDocument, Section, Value, find, parse_value};
 use engine::session::Edit;
 use engine::system::Disk;
-use texgen::{Diagnostic, Diagnostics, Label, Severity, SourceFile};
+use texgen::{Diagnostic, Diagnostics, Label, Severity, SourceFile, did_you_mean};
 
 use crate::failure::Failure;
 use crate::usage::UsageError;
@@ -68,11 +68,70 @@ impl Overrides {
         self.flags.push(flag);
     }
 
+    /// Refuses to make a node or an AO table of a name that was mistyped.
+    ///
+    /// # Errors
+    /// The flags that set keys of what the look in this file doesn't have.
+    pub(crate) fn check_names(&self, look: Option<&Path>) -> Result<(), Failure> {
+        let text = match look {
+            Some(path) => Look::read_text(&Disk, path).ok(),
+            None => Some(String::new()),
+        };
+        let path = look.unwrap_or(Path::new(""));
+        // What can't be read is told by those who need it.
+        let Some(document) = text.and_then(|text| LookDocument::parse(path, &text).ok()) else {
+            return Ok(());
+        };
+        let look = document.fields();
+        let edits = self.edits.iter().zip(&self.flags);
+        let unknown: Diagnostics = edits
+            .filter_map(|(edit, flag)| self.unknown(edit.section(), flag, &look))
+            .collect();
+        match unknown.is_empty() {
+            true => Ok(()),
+            false => Err(unknown.into()),
+        }
+    }
+
+    /// What is wrong with a flag that sets a key of a table which a look doesn't have.
+    fn unknown(&self, section: &Section, flag: &str, look: &[Field]) -> Option<Diagnostic> {
+        let (table, name) = section.place();
+        let name = name?;
+        let names: Vec<&str> = match find(look, table).map(|tables| &tables.value) {
+            Some(Value::Table(tables)) => tables.iter().map(|t| t.key.value.as_str()).collect(),
+            Some(_) => return None,
+            None => Vec::new(),
+        };
+        let (what, remedy) = match section {
+            // Documents have nodes whose names aren't known here.
+            Section::Node(_) if find(look, "materialx").is_none() => (
+                "node",
+                format!("a new one needs a texture: --set {name}.texture=TEXTURE"),
+            ),
+            // The first one is read without being named.
+            Section::Ao(_) if !names.is_empty() => (
+                "AO table",
+                format!("a new one needs a node that reads it: --set NODE.occlusion={name}"),
+            ),
+            _ => return None,
+        };
+        let mut edits = self.edits.iter();
+        if names.contains(&name) || edits.any(|edit| brings(edit, section)) {
+            return None;
+        }
+        let error = Diagnostic::error(format!("{flag}: there is no {what} called `{name}`"));
+        Some(error.with_note(match did_you_mean(name, names) {
+            Some(near) => format!("did you mean `{near}`?"),
+            None => remedy,
+        }))
+    }
+
     /// The look in this file with the edits, or what they are a look of.
     ///
     /// # Errors
     /// It can't be read, has mistakes, or can't have the edits.
     pub(crate) fn look(&self, path: Option<&Path>) -> Result<Option<Look>, Failure> {
+        self.check_names(path)?;
         let written = match path {
             Some(path) => Look::read_text(&Disk, path)?,
             None => String::new(),
@@ -116,6 +175,25 @@ impl Overrides {
             }
         }
         told
+    }
+}
+
+/// Whether an edit shows that a new table is meant: a node gets its texture, an AO table is read by a node.
+fn brings(edit: &Edit, new: &Section) -> bool {
+    let Edit::Set {
+        section,
+        key,
+        value,
+    } = edit
+    else {
+        return false;
+    };
+    match (section, new, value) {
+        (Section::Node(_), Section::Node(_), _) => section == new && key == "texture",
+        (Section::Node(_), Section::Ao(name), Value::Text(read)) => {
+            ["occlusion", "occlusion1"].contains(&key.as_str()) && read == name
+        }
+        _ => false,
     }
 }
 
@@ -192,7 +270,7 @@ impl<'a> Edited<'a> {
         }
         if let Some(flag) = named {
             told.message = format!("{flag}: {}", mistake.message);
-            if is_like_a_number(flag) {
+            if told.severity == Severity::Error && is_like_a_number(flag) {
                 told.notes.push("numbers are written as in 0.2".to_owned());
             }
         }
@@ -222,8 +300,11 @@ fn is_like_a_number(flag: &str) -> bool {
     let digits = value.trim().trim_start_matches(['+', '-']);
     let digits = digits.strip_prefix('.').unwrap_or(digits);
     let is_number = value.trim().parse::<f64>().is_ok();
+    // Names of files, too, begin with digits.
+    let is_name = value.contains(|c: char| c.is_alphabetic() || c == '/');
     digits.starts_with(|c: char| c.is_ascii_digit())
         && !is_number
+        && !is_name
         && parse_value(value.trim()).is_none()
 }
 
@@ -385,6 +466,53 @@ mod tests {
     }
 
     #[test]
+    fn names_that_the_look_does_not_have_are_refused_with_those_near() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = folder.path().join("a.look.toml");
+        let node = "[node.valve_rust]\ntexture = \"fbm\"\n";
+        let ao = "[ao.crevices]\ndistance = 1\n";
+        let of_documents = "[[materialx]]\nfile = \"a.mtlx\"\n";
+        for (text, edits, told) in [
+            (
+                node,
+                &["valve_rus.scale=2"][..],
+                "did you mean `valve_rust`?",
+            ),
+            (node, &["valve_rust.scale=2"], ""),
+            (node, &["a.scale=2"], "--set a.texture=TEXTURE"),
+            (node, &["a.scale=2", "a.texture=fbm"], ""),
+            (of_documents, &["brass.scale=2"], ""),
+            (ao, &["ao.crevises.distance=2"], "did you mean `crevices`?"),
+            (ao, &["ao.crevices.distance=2"], ""),
+            (ao, &["ao.edges.distance=2"], "--set NODE.occlusion=edges"),
+            (
+                ao,
+                &["ao.edges.distance=2", "a.texture=fbm", "a.occlusion1=edges"],
+                "",
+            ),
+            (node, &["ao.edges.distance=2"], ""),
+        ] {
+            std::fs::write(&path, text).expect("written");
+            let refused = set(edits).check_names(Some(&path)).err();
+            let Some(Failure::Mistakes(mistakes)) = refused else {
+                assert_eq!(told, "", "{edits:?}");
+                continue;
+            };
+            let [mistake] = mistakes.as_slice() else {
+                panic!("{mistakes}");
+            };
+            let flag = format!("--set {}: there is no ", edits[0]);
+            assert!(mistake.message.starts_with(&flag), "{mistake}");
+            assert!(
+                !told.is_empty() && mistake.notes[0].contains(told),
+                "{mistake}"
+            );
+        }
+        let mistyped = set(&["valve_rus.scale=2"]);
+        assert!(mistyped.look(None).is_err());
+    }
+
+    #[test]
     fn what_has_no_file_has_no_place() {
         let sky = Some(Path::new("sky.hdr"));
         let overrides = Overrides::parse(&["x.y=3".to_owned()], sky, None, Some("0,0,0"));
@@ -411,12 +539,23 @@ mod tests {
             ("2", false),
             (".2", false),
             ("0x10", false),
+            ("2k_sky.exr", false),
+            ("0001.png", false),
+            ("12/34", false),
         ] {
             let given = format!("material.M.roughness={value}");
             let told = told(&set(&[given.as_str()]), None, "roughness");
             let note = "numbers are written as in 0.2".to_owned();
             assert_eq!(told.notes.contains(&note), is_told, "{value}");
         }
+        // What is only a warning isn't wrong in its form.
+        let overrides = set(&["material.M.roughness=20%"]);
+        let text = Edited::of(&overrides, None).expect("it is edited").text;
+        let start = text.find("roughness").expect("it was set");
+        let file = SourceFile::new("look", String::new(), text);
+        let warning = Diagnostic::warning("odd").with_label(&file, start..start + 9, "");
+        let told = overrides.told(None, &Diagnostics::from(warning));
+        assert_eq!(told.as_slice()[0].notes, [""; 0]);
     }
 
     #[test]

@@ -79,6 +79,9 @@ pub(crate) fn run(job: &RenderJob) -> Result<(), Failure> {
         return picture(job);
     }
     let names = cameras::file_names(&scene.cameras);
+    let jobs = scene.cameras.iter().zip(&names);
+    let jobs = jobs.map(|(camera, name)| job.through(camera, name));
+    spare_inputs(job, jobs.flat_map(|own| written(&own)))?;
     for (camera, name) in scene.cameras.iter().zip(&names) {
         // What comes while one is written must not cost the next one's file.
         if interrupt::requested() {
@@ -168,6 +171,19 @@ fn written(job: &RenderJob) -> Vec<PathBuf> {
     let kept = kept.filter(|path| !job.outputs.films.contains(path));
     let outputs = job.outputs.paths().chain(&job.stats_json);
     outputs.chain(kept).cloned().collect()
+}
+
+/// Refuses files of several pictures that are inputs: before the first one, not after hours, when it is their turn. Only what is there can
+/// be one.
+fn spare_inputs(job: &RenderJob, written: impl Iterator<Item = PathBuf>) -> Result<(), Failure> {
+    let there: Vec<PathBuf> = written.filter(|path| path.exists()).collect();
+    if there.is_empty() {
+        return Ok(());
+    }
+    let look = job.overrides.look(job.look.as_deref())?;
+    let mut read = engine::load::files(&job.scene, look.as_ref());
+    read.extend(job.look.clone());
+    output::refuse_inputs(&there, &read).map_err(Failure::from)
 }
 
 /// Whether files can be written, none of them over what is named, or over a texture that may be read.

@@ -368,7 +368,13 @@ pub(crate) fn parse_device(given: Option<&str>) -> Result<DeviceChoice, UsageErr
         Some(text) => Ok(match (text.parse(), text.split_once(':')) {
             (Ok(index), _) => DeviceChoice::Index(index),
             (_, Some((name, threads))) if name.eq_ignore_ascii_case(NATIVE) => {
-                DeviceChoice::Native(parse_number("--device native:N", threads, 1, MOST_THREADS)?)
+                let refused = |_| UsageError::Word {
+                    flag: "--device",
+                    given: text.to_owned(),
+                    known: vec!["native:N with a whole number of threads from 1 to 1024"],
+                };
+                let threads = parse_number("--device", threads, 1, MOST_THREADS);
+                DeviceChoice::Native(threads.map_err(refused)?)
             }
             _ => DeviceChoice::Name(text.to_owned()),
         }),
@@ -482,4 +488,20 @@ pub(crate) fn refuse_overwriting<'a>(
         seen.push(path);
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn threads_that_can_not_be_are_told_as_they_were_typed() {
+        for given in ["native:0", "native:many"] {
+            let error = parse_device(Some(given)).expect_err(given).to_string();
+            let expected = format!(
+                "--device {given}: must be native:N with a whole number of threads from 1 to {MOST_THREADS}"
+            );
+            assert_eq!(error, expected);
+        }
+    }
 }

@@ -275,7 +275,13 @@ impl Film {
         }
         std::array::from_fn(|c| {
             let mean = sum[c] / n;
-            let variance = (squares[c] / n - mean * mean).max(0.0) * n / (n - 1.0);
+            let of = |squares: f64| (squares / n - mean * mean).max(0.0) * n / (n - 1.0);
+            // Of dark pixels that is much of them: half a unit each. At most all light is that of one sample.
+            let is_dark = squares[c] < 1e6 * lost;
+            let variance = match is_dark {
+                true => of(squares[c] + 0.5 * lost).min(n * mean * mean),
+                false => of(squares[c]),
+            };
             (variance / n).sqrt() as f32
         })
     }
@@ -608,6 +614,12 @@ mod tests {
         assert!((film.standard_error()[0][0] - 1.0).abs() < 1e-6);
         assert!((film.relative_error() - 0.5).abs() < 1e-6);
         assert_eq!(Film::new(1, 1).relative_error(), f64::INFINITY);
+        // As dark as what their squares are rounded by.
+        let mut film = Film::new(1, 1);
+        film.add_sample(0, [1e-6; 3]);
+        film.add_sample(0, [3e-6; 3]);
+        let error = film.standard_error()[0][0];
+        assert!((0.9e-6..4e-6).contains(&error), "{error}");
     }
 
     #[test]
@@ -683,7 +695,12 @@ mod tests {
         // Light so faint that nothing is left of its squares is no second half.
         let mut film = Film::new(1, 1);
         (0..4).for_each(|_| film.add_sample(0, [1e-7; 3]));
-        assert_eq!(film.standard_error(), [[0.0; 3]]);
+        // Nor is anything known of its noise, but that it isn't more than there is.
+        let error = film.standard_error()[0];
+        assert!(
+            error.iter().all(|e| (0.0..=1.01e-7).contains(e)),
+            "{error:?}"
+        );
     }
 
     #[test]

@@ -54,11 +54,11 @@ pub struct Document {
     pub(crate) paths: Vec<PathBuf>,
     /// What stands in each element; those of included files in the root.
     children: Vec<Vec<ElementId>>,
-    /// Elements by where they stand and their names.
+    /// Elements by where they stand and their names; in the root by those that other files call them by.
     by_name: HashMap<(ElementId, String), Vec<ElementId>>,
-    /// Definitions by the categories that they define.
+    /// Definitions by the categories that they define, as other files call them.
     definitions: HashMap<String, Vec<ElementId>>,
-    /// Graphs and implementations by the names of the definitions that they implement.
+    /// Graphs and implementations by the names of the definitions that they implement, as other files call these.
     implementations: HashMap<String, Vec<ElementId>>,
     /// Its materials are those of a model of the same file, which says the rest of them.
     pub(crate) is_of_model: bool,
@@ -103,37 +103,47 @@ impl Document {
             let Some(parent) = element.parent.filter(|_| element.kind != "materialx") else {
                 continue;
             };
-            let outer = &document.elements[parent];
-            // What stands in a file with a namespace is called with it from outside, and without it inside.
-            let space = outer
-                .attribute("namespace")
-                .filter(|_| outer.kind == "materialx");
-            let parent = match &*outer.kind {
+            let parent = match &*document.elements[parent].kind {
                 "materialx" => Self::ROOT,
                 _ => parent,
             };
             document.children[parent].push(id);
-            let names = |name: &str| {
-                let outside = space.map(|space| format!("{space}:{name}"));
-                std::iter::once(name.to_owned()).chain(outside)
+            let name = match parent {
+                Self::ROOT => document.qualified(id, element.name()),
+                _ => element.name().to_owned(),
             };
-            for name in names(element.name()) {
-                let known = document.by_name.entry((parent, name));
-                known.or_default().push(id);
-            }
+            let known = document.by_name.entry((parent, name));
+            known.or_default().push(id);
             if let ("nodedef", Some(node)) = (&*element.kind, element.attribute("node")) {
-                for name in names(node) {
-                    document.definitions.entry(name).or_default().push(id);
-                }
+                let name = document.qualified(id, node);
+                document.definitions.entry(name).or_default().push(id);
             }
+        }
+        for (id, element) in document.elements.iter().enumerate() {
             if let Some(name) = element.attribute("nodedef")
                 && matches!(&*element.kind, "nodegraph" | "implementation")
             {
-                let known = document.implementations.entry(name.to_owned());
-                known.or_default().push(id);
+                // A definition of its own file's namespace, or else one that is called so everywhere.
+                let own = document.qualified(id, name);
+                let is_own = document.by_name.contains_key(&(Self::ROOT, own.clone()));
+                let name = if is_own { own } else { name.to_owned() };
+                document.implementations.entry(name).or_default().push(id);
             }
         }
         document
+    }
+
+    /// The namespace of the file that an element stands in.
+    pub fn space(&self, id: ElementId) -> Option<&str> {
+        self.inherited(id, "namespace")
+    }
+
+    /// What other files call something that has this name where an element stands.
+    fn qualified(&self, id: ElementId, name: &str) -> String {
+        match self.space(id).map(|space| format!("{space}:")) {
+            Some(space) if !name.starts_with(&space) => space + name,
+            _ => name.to_owned(),
+        }
     }
 
     /// Elements inside of one; those of included files count as the root's own.
@@ -141,28 +151,62 @@ impl Document {
         &self.children[id]
     }
 
-    fn called(&self, parent: ElementId, name: &str) -> &[ElementId] {
-        let found = self.by_name.get(&(parent, name.to_owned()));
+    fn called(&self, parent: ElementId, name: String) -> &[ElementId] {
+        let found = self.by_name.get(&(parent, name));
         found.map_or(&[], Vec::as_slice)
     }
 
-    /// The element of that name inside of another one, or of the nearest that this inherits from.
-    pub fn named(&self, parent: ElementId, name: &str) -> Option<ElementId> {
+    /// What `user` calls by a name inside of an element: in the root first what its own namespace has.
+    fn meant(
+        &self,
+        parent: ElementId,
+        user: ElementId,
+        name: &str,
+    ) -> impl Iterator<Item = ElementId> {
+        let own: &[ElementId] = match parent {
+            Self::ROOT => self.called(parent, self.qualified(user, name)),
+            _ => &[],
+        };
+        own.iter()
+            .chain(self.called(parent, name.to_owned()))
+            .copied()
+    }
+
+    /// The element that `user` calls by that name inside of another one, or of the nearest that this inherits from.
+    pub fn named(&self, parent: ElementId, user: ElementId, name: &str) -> Option<ElementId> {
         self.lineage(parent).find_map(|at| {
-            let mut called = self.called(at, name).iter().copied();
-            called.find(|&child| !matches!(&*self.element(child).kind, "input" | "output"))
+            let mut meant = self.meant(at, user, name);
+            meant.find(|&child| !matches!(&*self.element(child).kind, "input" | "output"))
         })
     }
 
     /// The first child of a kind and name.
     pub fn child(&self, parent: ElementId, kind: &str, name: &str) -> Option<ElementId> {
-        let mut called = self.called(parent, name).iter().copied();
-        called.find(|&child| self.element(child).kind == kind)
+        self.child_for(parent, parent, kind, name)
     }
 
-    /// Definitions of nodes of a category.
-    pub fn definitions(&self, category: &str) -> &[ElementId] {
-        self.definitions.get(category).map_or(&[], Vec::as_slice)
+    /// What stands outside of all graphs, of a kind, and that `user` calls by that name.
+    pub fn outermost(&self, user: ElementId, kind: &str, name: &str) -> Option<ElementId> {
+        self.child_for(Self::ROOT, user, kind, name)
+    }
+
+    fn child_for(
+        &self,
+        parent: ElementId,
+        user: ElementId,
+        kind: &str,
+        name: &str,
+    ) -> Option<ElementId> {
+        let mut meant = self.meant(parent, user, name);
+        meant.find(|&child| self.element(child).kind == kind)
+    }
+
+    /// Definitions of an element's category as a node: those of its own namespace, or else those that are called so everywhere.
+    pub fn definitions(&self, id: ElementId) -> &[ElementId] {
+        let category = &self.element(id).kind;
+        let own = self.definitions.get(&self.qualified(id, category));
+        let found = own.or_else(|| self.definitions.get(category));
+        found.map_or(&[], Vec::as_slice)
     }
 
     /// An element and those that it inherits from, the nearest first: they have its kind and stand where it stands.
@@ -175,19 +219,20 @@ impl Document {
                 "materialx" => Self::ROOT,
                 _ => parent,
             };
-            self.child(parent, &element.kind, name)
+            self.child_for(parent, at, &element.kind, name)
         };
         std::iter::successors(Some(id), base).take(MAX_BASES)
     }
 
     /// The graph that a definition is implemented by.
     pub fn implementation(&self, definition: ElementId) -> Option<ElementId> {
-        let known = self.implementations.get(self.element(definition).name())?;
+        let name = self.qualified(definition, self.element(definition).name());
+        let known = self.implementations.get(&name)?;
         known.iter().copied().find_map(|at| {
             let element = self.element(at);
             match &*element.kind {
                 "implementation" => {
-                    self.child(Self::ROOT, "nodegraph", element.attribute("nodegraph")?)
+                    self.outermost(at, "nodegraph", element.attribute("nodegraph")?)
                 }
                 _ => Some(at),
             }

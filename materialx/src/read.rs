@@ -17,10 +17,8 @@ const MAX_FILES: usize = 256;
 const MAX_ELEMENTS: u32 = 2_000_000;
 /// More prefixes of names that are declared nowhere aren't taken.
 const MAX_PREFIXES: usize = 16;
-/// What MaterialX comes with: its nodes are here without its files.
-const LIBRARIES: [&str; 7] = [
-    "stdlib", "pbrlib", "bxdf", "nprlib", "cmlib", "lights", "targets",
-];
+/// What MaterialX comes with, of names that nobody else uses: its nodes are here without its files.
+const LIBRARIES: [&str; 5] = ["stdlib", "pbrlib", "bxdf", "nprlib", "cmlib"];
 /// Elements don't stand in each other deeper than this; those of MaterialX are at most five deep.
 const MAX_DEPTH: usize = 64;
 
@@ -138,9 +136,9 @@ impl Reader<'_> {
                 continue;
             }
             let id = self.elements.len();
-            let attributes = node
-                .attributes()
-                .map(|a| (a.name().to_owned(), a.value().to_owned()));
+            // Those of other programs, such as `ui:name`, mustn't take the place of the plain ones.
+            let plain = node.attributes().filter(|a| a.namespace().is_none());
+            let attributes = plain.map(|a| (a.name().to_owned(), a.value().to_owned()));
             self.elements.push(Element {
                 kind: kind(&node),
                 attributes: attributes.collect(),
@@ -255,9 +253,8 @@ fn parse(text: &str) -> Result<roxmltree::Document<'_>, roxmltree::Error> {
 /// A text with the prefixes of its names declared, and where: MaterialX's namespaces are none of XML's, and many files don't say
 /// what `xi:` is.
 fn with_prefixes(text: &str) -> (String, usize) {
-    const ROOT: &str = "<materialx";
     let mut whole = text.to_owned();
-    let Some(at) = text.find(ROOT).map(|at| at + ROOT.len()) else {
+    let Some(at) = end_of_roots_name(text) else {
         return (whole, text.len());
     };
     for _ in 0..MAX_PREFIXES {
@@ -267,6 +264,23 @@ fn with_prefixes(text: &str) -> (String, usize) {
         whole.insert_str(at, &format!(" xmlns:{prefix}=\"{prefix}\""));
     }
     (whole, at)
+}
+
+/// Where the name of the outermost element ends. What comments say doesn't count.
+fn end_of_roots_name(text: &str) -> Option<usize> {
+    const ROOT: &str = "<materialx";
+    let mut at = 0;
+    loop {
+        at += text[at..].find('<')?;
+        let rest = &text[at..];
+        if rest.starts_with(ROOT) {
+            return Some(at + ROOT.len());
+        }
+        at += match rest.starts_with("<!--") {
+            true => rest.find("-->")? + 3,
+            false => 1,
+        };
+    }
 }
 
 /// The name of an element, with the prefix of MaterialX's namespace where it has one.

@@ -61,6 +61,19 @@ pub(crate) fn refuse_overwriting<'a>(
     Ok(())
 }
 
+/// Refuses results that are there already and would replace an input. They may be links to one file, and none has to be writable.
+///
+/// # Errors
+/// Names the first one.
+pub(crate) fn refuse_inputs(written: &[PathBuf], read: &[PathBuf]) -> Result<(), UsageError> {
+    let inputs: Vec<Identity> = read.iter().filter_map(|path| Identity::of(path)).collect();
+    let is_input = |path: &PathBuf| Identity::of(path).is_some_and(|file| inputs.contains(&file));
+    match written.iter().find(|&path| is_input(path)) {
+        Some(path) => Err(UsageError::OverwritesInput { path: path.clone() }),
+        None => Ok(()),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use std::fs;
@@ -94,5 +107,23 @@ mod tests {
         assert!(refuse_overwriting([&new], &read).is_ok());
         let twice = refuse_overwriting([&new, &same], &read);
         assert!(matches!(twice, Err(UsageError::Twice { .. })), "{twice:?}");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_to_one_file_are_no_inputs() {
+        let dir = tempfile::tempdir().expect("a temporary folder");
+        let path = |name: &str| dir.path().join(name);
+        for (file, link) in [("scene.glb", "2.png"), ("0.png", "1.png")] {
+            fs::write(path(file), file).expect("written");
+            fs::hard_link(path(file), path(link)).expect("a hard link");
+        }
+        let read = [path("scene.glb"), path("is-not-there.png")];
+        assert!(refuse_inputs(&[path("0.png"), path("1.png")], &read).is_ok());
+        let refused = refuse_inputs(&[path("0.png"), path("2.png")], &read);
+        let Err(UsageError::OverwritesInput { path: named }) = refused else {
+            panic!("{refused:?}");
+        };
+        assert_eq!(named, path("2.png"));
     }
 }

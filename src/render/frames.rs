@@ -18,7 +18,9 @@ use crate::{console, denoise, devices, interrupt, output};
 use super::alone::Scene;
 use super::pieces::{self, Division};
 use super::reel::Reel;
-use super::{Ended, Rest, Start, Told, beside, check, end, inputs, view_of, write, written};
+use super::{
+    Ended, Rest, Start, Told, beside, check, end, inputs, spare_inputs, view_of, write, written,
+};
 
 /// Renders all frames.
 ///
@@ -28,7 +30,9 @@ pub(super) fn run(job: &RenderJob) -> Result<(), Failure> {
     let denoiser = denoise::for_job(job.denoise, &job.outputs)?;
     let frames = job.motion.frames();
     let resumes = (job.checkpoints.as_ref()).is_some_and(|checkpoints| checkpoints.resumes);
-    spare_inputs(job, &frames, resumes)?;
+    let all = frames.iter().map(|&frame| job.of_frame(frame));
+    let due = all.filter(|own| !(resumes && is_done(own)));
+    spare_inputs(job, due.flat_map(|own| written(&own)))?;
     let mut studio: Option<(Device, Reel)> = None;
     let mut session: Option<Box<Session>> = None;
     // What suffices for a frame suffices for the next one.
@@ -120,24 +124,6 @@ pub(super) fn run(job: &RenderJob) -> Result<(), Failure> {
         console::note(&format!("{skipped} of {all} frames {were} there already"));
     }
     Ok(())
-}
-
-/// Refuses frames whose names are those of inputs: before the first one, not after hours, when it is their turn. Only what is there can
-/// be one.
-fn spare_inputs(job: &RenderJob, frames: &[Frame], resumes: bool) -> Result<(), Failure> {
-    let jobs = frames.iter().map(|&frame| job.of_frame(frame));
-    let due = jobs.filter(|own| !(resumes && is_done(own)));
-    let there: Vec<PathBuf> = due
-        .flat_map(|own| written(&own))
-        .filter(|path| path.exists())
-        .collect();
-    if there.is_empty() {
-        return Ok(());
-    }
-    let look = job.overrides.look(job.look.as_deref())?;
-    let mut read = engine::load::files(&job.scene, look.as_ref());
-    read.extend(job.look.clone());
-    output::check_all(&there, &read)
 }
 
 /// Whether all files of a frame are there, of which pictures are written last. Where only films are written, each is gone on with.

@@ -56,6 +56,7 @@ impl Reel {
             look: inputs.look.clone(),
             overrides: job.overrides.clone(),
         };
+        said.overrides.check_names(said.look.as_deref())?;
         let sequence = Sequence::read(inputs, System::default(), &said.overrides.edits);
         let mut sequence = sequence.map_err(|error| said.failure(error))?;
         if let Some(wanted) = &job.motion.animation {

@@ -370,7 +370,15 @@ impl Watcher {
     }
 
     fn take(&mut self) -> Option<Changes> {
-        let burst = self.burst.take()?;
+        let mut burst = self.burst.take()?;
+        if burst.files.iter().any(|(_, kind)| *kind == Kind::Texture) {
+            // All textures are read for one of them: what else has changed belongs to it, whatever events say.
+            let changed = self.stamps.iter().filter(|&(path, known)| {
+                known.is_some() && self.is_texture(path) && stamp(path) != *known
+            });
+            let changed = changed.map(|(path, _)| (path.clone(), Kind::Texture));
+            burst.files.extend(changed);
+        }
         let mut changes = Changes {
             textures: false,
             look: false,
@@ -580,6 +588,23 @@ mod tests {
         expect("that there is another one");
         fs::write(path("textures/t.wgsl"), "the last").expect("written");
         expect("an edit of that");
+    }
+
+    #[test]
+    fn what_is_read_with_a_texture_is_named_with_it() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = |name: &str| folder.path().join(name);
+        fs::create_dir(path("textures")).expect("a folder");
+        for name in ["textures/a.wgsl", "textures/b.wgsl", "textures/c.wgsl"] {
+            fs::write(path(name), "old").expect("written");
+        }
+        let mut watcher = Watcher::new(&[], None, &[path("textures")], known()).expect("watched");
+        fs::write(path("textures/b.wgsl"), "another").expect("written");
+        // As if there had been no event of that.
+        let noticed = path("textures/a.wgsl");
+        watcher.add(noticed, Kind::Texture, Progress::Whole);
+        let changes = watcher.take().expect("a burst");
+        assert_eq!(changes.names, ["a.wgsl", "b.wgsl"]);
     }
 
     #[test]

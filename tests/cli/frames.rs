@@ -121,6 +121,15 @@ fn no_frame_takes_the_place_of_an_input() {
             .expect_error(2, "is an input");
         assert_eq!(bench.files(), files, "{flags}: a frame was rendered before");
     }
+    if !device() {
+        return;
+    }
+    // Those that are there may be links to one file.
+    fs::write(bench.path("o.0000.png"), "a picture").expect("written");
+    fs::hard_link(bench.path("o.0000.png"), bench.path("o.0012.png")).expect("a link");
+    bench
+        .run(&format!("{SMALL} --frames 0..24:12 -o o.png"))
+        .expect_code(0);
 }
 
 #[test]

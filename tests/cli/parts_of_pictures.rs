@@ -185,6 +185,14 @@ fn each_camera_is_rendered_whatever_it_is_called() {
     }
     fs::write(bench.path("two.gltf"), scene.to_string()).expect("written");
     let line = "render two.gltf --size 16x16 --spp 1";
+    // The second one's file is read, which is said before the first one is rendered.
+    fs::write(bench.path("b-2.png"), "a picture").expect("written");
+    bench
+        .run(&format!(
+            "{line} --camera all --environment b-2.png -o b.png"
+        ))
+        .expect_error(2, "is an input");
+    assert!(!bench.path("b-1.png").exists());
     bench
         .run(&format!("{line} --camera all -o a.png"))
         .expect_code(0);

@@ -56,7 +56,7 @@ pub enum GraphError {
     },
     /// A link whose type doesn't fit.
     #[error(
-        "`{source_node}` gives {found}, but parameter `{parameter}` of `{node}` is of type {expected}: {remedy}"
+        "`{link}` gives {found}, but parameter `{parameter}` of `{node}` is of type {expected}: {remedy}"
     )]
     LinkType {
         /// The node that gets the link.
@@ -67,10 +67,12 @@ pub enum GraphError {
         expected: ParameterType,
         /// The node the link comes from.
         source_node: String,
+        /// The link, with the output and the components that it takes.
+        link: Box<str>,
         /// What the link gives.
         found: OutputType,
         /// What to do.
-        remedy: String,
+        remedy: Box<str>,
     },
     /// A swizzle that names components which the source doesn't have.
     #[error("`{source_node}` gives {found}: it has no `{swizzle}`")]

@@ -74,6 +74,15 @@ pub enum SourcesError {
         /// The file.
         path: PathBuf,
     },
+    /// A shared file that no texture can name.
+    #[error(
+        "no texture can use a shared file of this name: {}; letters, digits, `_` and `-` are what it may have",
+        path.display()
+    )]
+    SharedName {
+        /// The file.
+        path: PathBuf,
+    },
 }
 
 impl TextureSources {
@@ -216,14 +225,18 @@ impl TextureSources {
     /// folder of the path.
     ///
     /// # Errors
-    /// The file, or one that it uses, can't be read.
+    /// The file, or one that it uses, can't be read; no texture can use a file of its name.
     pub fn user_of(path: &Path) -> Option<Result<SourceFile, SourcesError>> {
         let folder = path.parent()?;
         let textures = (folder.file_name()? == LIBRARIES).then(|| folder.parent())??;
-        let name = path.file_stem()?.to_str()?;
+        let name = path.file_stem()?.to_string_lossy();
+        if !is_shared_name(&name) {
+            let path = path.to_owned();
+            return Some(Err(SourcesError::SharedName { path }));
+        }
         let text = format!("/// @use {name}\nfn userProc() -> f32 {{ return 0.0; }}\n");
-        let file = SourceFile::new(name, path.display().to_string(), text);
-        Some(with_libraries(&Disk, file, &textures.join(name)))
+        let file = SourceFile::new(&*name, path.display().to_string(), text);
+        Some(with_libraries(&Disk, file, &textures.join(&*name)))
     }
 
     /// The file of a texture, where it comes from one.
@@ -269,12 +282,8 @@ fn with_libraries(
     let mut found: Vec<SourceFile> = Vec::new();
     let mut missing: BTreeSet<String> = BTreeSet::new();
     while let Some(name) = wanted.pop() {
-        // A name is no path: what is used lies in that folder.
-        let is_name = name
-            .chars()
-            .all(|c| c.is_alphanumeric() || "_-".contains(c));
         let known = missing.contains(&name) || found.iter().any(|one| one.name() == name);
-        if !is_name || known || found.len() >= MAX_LIBRARIES {
+        if !is_shared_name(&name) || known || found.len() >= MAX_LIBRARIES {
             continue;
         }
         match read_file(files, &name, &folder.join(format!("{name}.wgsl"))) {
@@ -292,6 +301,12 @@ fn with_libraries(
         true => file,
         false => file.with_libraries(found),
     })
+}
+
+/// Whether a texture can use a shared file of this name. A name is no path: what is used lies in one folder.
+fn is_shared_name(name: &str) -> bool {
+    name.chars()
+        .all(|c| c.is_alphanumeric() || "_-".contains(c))
 }
 
 #[cfg(test)]
@@ -334,6 +349,13 @@ mod tests {
         assert_eq!(names, ["a", "b"]);
         let opened = TextureSources::open(&folder.path().join("t.wgsl")).expect("is text");
         assert_eq!(opened.libraries(), file.libraries());
+        let user = |name: &str| {
+            let path = folder.path().join(LIBRARIES).join(name);
+            TextureSources::user_of(&path).expect("lies among shared files")
+        };
+        assert_eq!(user("b.wgsl").expect("is text").libraries().len(), 2);
+        let refused = user("my.noise.wgsl").expect_err("no texture can name it");
+        assert!(refused.to_string().contains("my.noise.wgsl"), "{refused}");
         // An edit of a shared file makes the texture another one.
         write("lib/b.wgsl", "fn g() -> f32 { return 2.0; }");
         let again = sources.read("t").expect("is there").expect("is text");

@@ -33,6 +33,20 @@ pub(super) struct BadArgument {
     pub(super) message: String,
 }
 
+/// What a value is to be.
+#[derive(Debug, Clone, Copy)]
+struct Wanted {
+    ty: ParameterType,
+    /// The name of a node may stand there instead: for a parameter as a whole, not within a list.
+    or_node: bool,
+}
+
+impl Wanted {
+    fn only(ty: ParameterType) -> Self {
+        Self { ty, or_node: false }
+    }
+}
+
 fn bad<T>(value: &Written, message: impl Into<String>) -> Result<T, BadArgument> {
     Err(BadArgument {
         span: value.span.clone(),
@@ -50,7 +64,7 @@ pub(super) fn argument(value: &Written, ty: ParameterType) -> Result<Argument, B
                     value,
                     format!(
                         "a parameter of type {ty} can't be driven by a node: {}",
-                        wanted(ty)
+                        Wanted::only(ty)
                     ),
                 );
             }
@@ -60,39 +74,42 @@ pub(super) fn argument(value: &Written, ty: ParameterType) -> Result<Argument, B
                 Err(message) => bad(value, message),
             }
         }
-        _ => constant(value, ty).map(Argument::Constant),
+        _ => {
+            let or_node = ty.is_linkable();
+            constant(value, Wanted { ty, or_node }).map(Argument::Constant)
+        }
     }
 }
 
-fn constant(value: &Written, ty: ParameterType) -> Result<Value, BadArgument> {
+fn constant(value: &Written, wanted: Wanted) -> Result<Value, BadArgument> {
     use ParameterType::*;
-    Ok(match ty {
-        F32 => Value::F32(number(value, ty)?),
-        I32 => Value::I32(integer(value, ty, i32::MIN.into()..=i32::MAX.into())? as i32),
-        U32 => Value::U32(integer(value, ty, 0..=u32::MAX.into())? as u32),
+    Ok(match wanted.ty {
+        F32 => Value::F32(number(value, wanted)?),
+        I32 => Value::I32(integer(value, wanted, i32::MIN.into()..=i32::MAX.into())? as i32),
+        U32 => Value::U32(integer(value, wanted, 0..=u32::MAX.into())? as u32),
         Bool => match value.value {
             look::Value::Bool(b) => Value::Bool(b),
-            _ => return mismatch(value, ty),
+            _ => return mismatch(value, wanted),
         },
-        Vec2 => Value::Vec2(vector(value, ty)?),
-        Vec3 => match hex(value, ty)? {
+        Vec2 => Value::Vec2(vector(value, wanted)?),
+        Vec3 => match hex(value, wanted)? {
             Some([r, g, b, _]) => Value::Vec3([r, g, b]),
-            None => Value::Vec3(vector(value, ty)?),
+            None => Value::Vec3(vector(value, wanted)?),
         },
-        Vec4 => match hex(value, ty)? {
+        Vec4 => match hex(value, wanted)? {
             Some(rgba) => Value::Vec4(rgba),
             None if list_len(value) == Some(3) => {
-                let [x, y, z] = vector(value, ty)?;
+                let [x, y, z] = vector(value, wanted)?;
                 Value::Vec4([x, y, z, 1.0])
             }
-            None => Value::Vec4(vector(value, ty)?),
+            None => Value::Vec4(vector(value, wanted)?),
         },
-        Mat3 => Value::Mat3(matrix(value, ty)?),
-        Mat4 => Value::Mat4(matrix(value, ty)?),
+        Mat3 => Value::Mat3(matrix(value, wanted)?),
+        Mat4 => Value::Mat4(matrix(value, wanted)?),
         Ramp => Value::Ramp(ramp(value)?),
         Array(element, count) => {
             let look::Value::List(items) = &value.value else {
-                return mismatch(value, ty);
+                return mismatch(value, wanted);
             };
             if items.len() != count as usize {
                 return bad(
@@ -100,59 +117,70 @@ fn constant(value: &Written, ty: ParameterType) -> Result<Value, BadArgument> {
                     format!("expected {count} values, found {}", items.len()),
                 );
             }
-            let ty = element.parameter_type();
-            let items = items.iter().map(|item| constant(item, ty));
+            let wanted = Wanted::only(element.parameter_type());
+            let items = items.iter().map(|item| constant(item, wanted));
             Value::Array(items.collect::<Result<_, _>>()?)
         }
-        Image => return mismatch(value, ty),
+        Image => return mismatch(value, wanted),
     })
 }
 
-/// What to write for a parameter of this type.
-fn wanted(ty: ParameterType) -> String {
-    use ParameterType::*;
-    match ty {
-        F32 => "a number, or the name of a node".into(),
-        I32 => "a whole number, or the name of a node".into(),
-        U32 => "a whole number that isn't negative, or the name of a node".into(),
-        Bool => "true or false, or the name of a node".into(),
-        Vec2 => "[x, y], or the name of a node".into(),
-        Vec3 => "[x, y, z], a colour \"#rrggbb\", or the name of a node".into(),
-        Vec4 => "[x, y, z, w], a colour \"#rrggbb\", or the name of a node".into(),
-        Mat3 => "three columns of three numbers".into(),
-        Mat4 => "four columns of four numbers".into(),
-        Image => "the path of an image, or { file = \"a.png\", ... }".into(),
-        Ramp => "stops, as in [[0.0, \"#20100a\"], [1.0, \"#c46a2a\"]]".into(),
-        Array(element, count) => format!(
-            "a list of {count} values of type {}",
-            element.parameter_type()
-        ),
+/// What to write.
+impl std::fmt::Display for Wanted {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        use ParameterType::*;
+        let color = match self.or_node {
+            true => ", a colour \"#rrggbb\"",
+            false => " or a colour \"#rrggbb\"",
+        };
+        let written = match self.ty {
+            F32 => f.write_str("a number"),
+            I32 => f.write_str("a whole number"),
+            U32 => f.write_str("a whole number that isn't negative"),
+            Bool => f.write_str("true or false"),
+            Vec2 => f.write_str("[x, y]"),
+            Vec3 => write!(f, "[x, y, z]{color}"),
+            Vec4 => write!(f, "[x, y, z, w]{color}"),
+            Mat3 => f.write_str("three columns of three numbers"),
+            Mat4 => f.write_str("four columns of four numbers"),
+            Image => f.write_str("the path of an image, or { file = \"a.png\", ... }"),
+            Ramp => f.write_str("stops, as in [[0.0, \"#20100a\"], [1.0, \"#c46a2a\"]]"),
+            Array(element, count) => {
+                let ty = element.parameter_type();
+                write!(f, "a list of {count} values of type {ty}")
+            }
+        };
+        written?;
+        match self.or_node {
+            true => f.write_str(", or the name of a node"),
+            false => Ok(()),
+        }
     }
 }
 
-fn mismatch<T>(value: &Written, ty: ParameterType) -> Result<T, BadArgument> {
+fn mismatch<T>(value: &Written, wanted: Wanted) -> Result<T, BadArgument> {
     bad(
         value,
-        format!("expected {}, found {}", wanted(ty), value.value.kind()),
+        format!("expected {wanted}, found {}", value.value.kind()),
     )
 }
 
-fn number(value: &Written, ty: ParameterType) -> Result<f32, BadArgument> {
+fn number(value: &Written, wanted: Wanted) -> Result<f32, BadArgument> {
     match value.value.as_number().map(|n| n as f32) {
         Some(n) if n.is_finite() => Ok(n),
         Some(_) => bad(value, "expected a finite number"),
-        None => mismatch(value, ty),
+        None => mismatch(value, wanted),
     }
 }
 
 fn integer(
     value: &Written,
-    ty: ParameterType,
+    wanted: Wanted,
     range: RangeInclusive<i64>,
 ) -> Result<i64, BadArgument> {
     match value.value {
         look::Value::Integer(i) if range.contains(&i) => Ok(i),
-        _ => mismatch(value, ty),
+        _ => mismatch(value, wanted),
     }
 }
 
@@ -164,49 +192,46 @@ fn list_len(value: &Written) -> Option<usize> {
 }
 
 /// `N` numbers, or one number for all.
-fn vector<const N: usize>(value: &Written, ty: ParameterType) -> Result<[f32; N], BadArgument> {
+fn vector<const N: usize>(value: &Written, wanted: Wanted) -> Result<[f32; N], BadArgument> {
     match &value.value {
         look::Value::List(items) if items.len() == N => {
             let mut out = [0.0; N];
             for (slot, item) in out.iter_mut().zip(items) {
-                *slot = number(item, ParameterType::F32)?;
+                *slot = number(item, Wanted::only(ParameterType::F32))?;
             }
             Ok(out)
         }
         look::Value::List(items) => bad(
             value,
-            format!("expected {}, found {} values", wanted(ty), items.len()),
+            format!("expected {wanted}, found {} values", items.len()),
         ),
-        _ => Ok([number(value, ty)?; N]),
+        _ => Ok([number(value, wanted)?; N]),
     }
 }
 
-fn hex(value: &Written, ty: ParameterType) -> Result<Option<[f32; 4]>, BadArgument> {
+fn hex(value: &Written, wanted: Wanted) -> Result<Option<[f32; 4]>, BadArgument> {
     match &value.value {
         look::Value::Text(text) => match texgen::color_from_hex(text) {
             Some(rgba) => Ok(Some(rgba)),
             None => bad(
                 value,
-                format!("`{text}` is not a colour: expected {}", wanted(ty)),
+                format!("`{text}` is not a colour: expected {wanted}"),
             ),
         },
         _ => Ok(None),
     }
 }
 
-fn matrix<const N: usize>(
-    value: &Written,
-    ty: ParameterType,
-) -> Result<[[f32; N]; N], BadArgument> {
+fn matrix<const N: usize>(value: &Written, wanted: Wanted) -> Result<[[f32; N]; N], BadArgument> {
     let look::Value::List(columns) = &value.value else {
-        return mismatch(value, ty);
+        return mismatch(value, wanted);
     };
     if columns.len() != N || columns.iter().any(|c| list_len(c) != Some(N)) {
-        return bad(value, format!("expected {}", wanted(ty)));
+        return bad(value, format!("expected {wanted}"));
     }
     let mut out = [[0.0; N]; N];
     for (slot, column) in out.iter_mut().zip(columns) {
-        *slot = vector(column, ty)?;
+        *slot = vector(column, wanted)?;
     }
     Ok(out)
 }
@@ -245,7 +270,7 @@ fn ramp(value: &Written) -> Result<Ramp, BadArgument> {
         _ => (value, Interpolation::Linear),
     };
     let look::Value::List(items) = &stops.value else {
-        return mismatch(stops, ParameterType::Ramp);
+        return mismatch(stops, Wanted::only(ParameterType::Ramp));
     };
     if items.is_empty() {
         return bad(stops, "a ramp needs at least one stop");
@@ -265,18 +290,22 @@ fn stop(item: &Written) -> Result<(f32, [f32; 4]), BadArgument> {
     let [t, color] = pair.as_slice() else {
         return bad(item, STOP);
     };
-    let t = number(t, ParameterType::F32)?;
+    let t = number(t, Wanted::only(ParameterType::F32))?;
     Ok((
         t,
         match &color.value {
-            look::Value::Text(_) => hex(color, ParameterType::Vec4)?.unwrap_or([0.0; 4]),
-            look::Value::List(list) if list.len() == 4 => vector(color, ParameterType::Vec4)?,
+            look::Value::Text(_) => {
+                hex(color, Wanted::only(ParameterType::Vec4))?.unwrap_or([0.0; 4])
+            }
+            look::Value::List(list) if list.len() == 4 => {
+                vector(color, Wanted::only(ParameterType::Vec4))?
+            }
             look::Value::List(_) => {
-                let [r, g, b] = vector(color, ParameterType::Vec3)?;
+                let [r, g, b] = vector(color, Wanted::only(ParameterType::Vec3))?;
                 [r, g, b, 1.0]
             }
             look::Value::Integer(_) | look::Value::Float(_) => {
-                let v = number(color, ParameterType::F32)?;
+                let v = number(color, Wanted::only(ParameterType::F32))?;
                 [v, v, v, 1.0]
             }
             _ => return bad(item, STOP),
@@ -331,7 +360,7 @@ fn image(value: &Written) -> Result<ImageArgument, BadArgument> {
                 }
             }
         }
-        _ => return mismatch(value, ParameterType::Image),
+        _ => return mismatch(value, Wanted::only(ParameterType::Image)),
     }
     if argument.file.value.is_empty() {
         return bad(value, "an image needs `file`, the path of a picture");
@@ -365,4 +394,31 @@ fn unknown_key<T>(key: &Spanned<String>, what: &str, known: &[&str]) -> Result<T
             known.join(", ")
         ),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use texgen::ElementType;
+
+    use super::*;
+
+    #[test]
+    fn nodes_are_offered_for_whole_parameters_only() {
+        use ParameterType::*;
+        for (ty, text, is_offered) in [
+            (F32, "true", true),
+            (Vec3, "true", true),
+            (Vec3, "'#12'", true),
+            (Vec3, "[1, 2, 'a']", false),
+            (Array(ElementType::F32, 2), "[1, 'a']", false),
+            (Array(ElementType::Vec3, 1), "['a']", false),
+            (Mat3, "[[1, 0, 0], [0, 1, 0], [0, 0, 'a']]", false),
+            (Ramp, "[['a', 1]]", false),
+            (Ramp, "[[0, 'a']]", false),
+        ] {
+            let value = look::parse_value(text).expect("TOML");
+            let refused = argument(&value, ty).expect_err(text).message;
+            assert_eq!(refused.contains("name of a node"), is_offered, "{refused}");
+        }
+    }
 }

@@ -137,9 +137,13 @@ pub(super) fn check_driver(graph: &Graph, source: NodeOutput, kind: Kind) -> Res
     };
     match (kind, given.components()) {
         (Kind::Scalar, 1) | (Kind::Color, 1 | 3 | 4) | (Kind::Vector, 3 | 4) => Ok(()),
-        (Kind::Scalar, _) => Err(format!(
-            "`{link}` gives {given}, but one number is needed: write \"{name}.x\""
-        )),
+        (Kind::Scalar, _) => {
+            let output = source.swizzle.and_then(|swizzle| swizzle.whole());
+            let output = output.map_or_else(String::new, |output| output.to_string());
+            Err(format!(
+                "`{link}` gives {given}, but one number is needed: write \"{name}{output}.x\""
+            ))
+        }
         (Kind::Color, _) => Err(format!(
             "`{link}` gives {given}, but a colour is needed: one, three or four components"
         )),
@@ -303,5 +307,29 @@ impl Procedural {
             .chain(&self.surface_names)
             .find(|&(_, &index)| index == material)
             .map_or("", |(name, _)| name)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use texgen::{Library, SourceFile, TextureType};
+
+    use super::*;
+
+    #[test]
+    fn the_part_that_is_offered_is_one_of_the_output_that_was_meant() {
+        let text = "struct S { mask: f32, color: vec3f }\nfn userProc() -> S { return S(1.0, vec3f(1.0)); }";
+        let texture = TextureType::parse(SourceFile::new("t", "t.wgsl", text));
+        let texture = texture.unwrap_or_else(|problems| panic!("{problems}"));
+        let mut graph = Graph::new(Arc::new(Library::new(vec![texture]).expect("one texture")));
+        let node = graph.add_node("a", "t", [0, 0]).expect("known");
+        for swizzle in [".color", ".color.rgb"] {
+            let swizzle = Some(swizzle.parse().expect("an output"));
+            let refused = check_driver(&graph, NodeOutput { node, swizzle }, Kind::Scalar);
+            let message = refused.expect_err("three components");
+            assert!(message.ends_with("write \"a.color.x\""), "{message}");
+        }
     }
 }

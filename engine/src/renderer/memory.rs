@@ -40,7 +40,7 @@ impl DeviceMemory {
         Self {
             film: picture,
             layers,
-            scene: gpu_scene::bytes(device, scene, &procedural.reads()),
+            scene: gpu_scene::bytes(device, scene, &procedural.reads(), |m| procedural.traits(m)),
             paths: paths(device, procedural, settings) + caches(device, settings),
         }
     }

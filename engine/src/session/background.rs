@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use texgen::{Diagnostic, Diagnostics};
+use texgen::{Diagnostic, Diagnostics, Label, TextureType};
 
 use crate::film::Layers;
 use crate::load::{LoadError, Loaded, StandIn};
@@ -68,9 +68,13 @@ impl Session {
             self.again.sources = true;
             return;
         }
+        let mut is_back = false;
         let changed = self.textures().and_then(|sources| {
             let files = self.renderer.procedural().changed_sources(&sources)?;
-            self.problems.gone = self.gone(&sources);
+            let gone = self.gone(&sources);
+            let former = std::mem::replace(&mut self.problems.gone, gone);
+            let mut former = former.iter();
+            is_back = former.any(|one| !self.problems.gone.as_slice().contains(one));
             Ok(files)
         });
         match changed {
@@ -79,8 +83,8 @@ impl Session {
                 match self.shown {
                     None => {
                         self.problems.sources = Diagnostics::new();
-                        // Nor is what was said of the look with the other textures true any more.
-                        if was_unfit {
+                        // Nor is what was said of the look with the other textures, or without them, true any more.
+                        if was_unfit || is_back {
                             self.assets_changed();
                         }
                     }
@@ -88,7 +92,10 @@ impl Session {
                     Some(_) => self.catch_up(),
                 }
             }
-            Ok(files) => self.begin_kernel(files),
+            Ok(files) => {
+                self.again.assets |= is_back;
+                self.begin_kernel(files);
+            }
             Err(error) => self.problems.sources = Diagnostic::error(error.to_string()).into(),
         }
     }
@@ -353,7 +360,7 @@ impl Session {
         let restarts = self.renderer.restarts();
         match self.renderer.finish_reload(reload) {
             Ok(warnings) => {
-                self.warnings = warnings;
+                self.renew_warnings(warnings);
                 self.problems.sources = Diagnostics::new();
                 self.generation += u64::from(self.renderer.restarts() != restarts);
                 self.catch_up();
@@ -366,6 +373,26 @@ impl Session {
         }
     }
 
+    /// Those of a change, beside what was odd before and still is.
+    fn renew_warnings(&mut self, new: Diagnostics) {
+        let textures = self.renderer.procedural().graph().library().textures();
+        let files = textures.iter().map(TextureType::file);
+        let files: Vec<_> = files
+            .flat_map(|file| std::iter::once(file).chain(file.libraries()))
+            .collect();
+        let is_former = |label: &Label| {
+            let mut files = files.iter();
+            files.any(|file| file.path() == label.file.path() && file.text() != label.file.text())
+        };
+        let is_kept = |warning: &&Diagnostic| {
+            let is_told_again = |other: &Diagnostic| other.render() == warning.render();
+            !warning.labels.iter().any(is_former) && !new.iter().any(is_told_again)
+        };
+        let mut all: Diagnostics = self.warnings.iter().filter(is_kept).cloned().collect();
+        all.append(new);
+        self.warnings = all;
+    }
+
     fn finish_rebuild(
         &mut self,
         text: String,
@@ -376,7 +403,12 @@ impl Session {
         match built {
             // Whatever was wrong with the files has been mended. The look may be another one by now: what is wrong with it is found again.
             Ok(None) => {
-                (self.problems.look, self.problems.scene) = Default::default();
+                self.problems.scene = Diagnostics::new();
+                // That textures don't fit the look is no matter of these files: it stays until it is found out anew.
+                match self.is_unfit {
+                    true => self.again.sources = true,
+                    false => self.problems.look = Diagnostics::new(),
+                }
                 self.catch_up();
             }
             Ok(Some(built)) => {

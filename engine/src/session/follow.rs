@@ -6,7 +6,7 @@ use crate::load::{self, StandIn};
 use crate::procedural::{UpdateError, expanded};
 use crate::renderer::Touched;
 use crate::scene::look::{
-    EnvironmentLook, Field, Look, LookDocument, MaterialLook, Section, Spanned, Table, find,
+    EnvironmentLook, Field, Look, LookDocument, MaterialLook, Section, Spanned, Table, Value, find,
     placed_fields, table,
 };
 use crate::scene::view::ViewChoice;
@@ -70,8 +70,11 @@ impl Session {
             false => Ok(()),
         });
         let Err(error) = outcome else {
-            // Textures that didn't fit the look may do so now.
-            self.again.sources |= self.is_unfit || !self.problems.gone.is_empty();
+            // Textures that didn't fit the look may do so now; a number of a material has no part in that.
+            let concerns_textures = matches!(section, Section::Node(_))
+                || texts(change.before.as_deref()) != texts(change.after.as_deref());
+            self.again.sources |=
+                concerns_textures && (self.is_unfit || !self.problems.gone.is_empty());
             return Ok(());
         };
         // What it was is right, so nothing of it is refused; nor has anything been written.
@@ -423,6 +426,17 @@ impl Session {
         self.scene.lights = before.lights;
         set_factors(&mut self.scene.environment, before.environment);
     }
+}
+
+/// What a table links to, among other names.
+fn texts(fields: Option<&[Field]>) -> Vec<(&str, &str)> {
+    let fields = fields.unwrap_or_default().iter();
+    fields
+        .filter_map(|field| match &field.value.value {
+            Value::Text(text) => Some((field.key.value.as_str(), text.as_str())),
+            _ => None,
+        })
+        .collect()
 }
 
 /// Whether the samples of the picture depend on a table, and not only how they are shown.

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::procedural::Procedural;
-use crate::scene::look::{LookDocument, Section, Value};
+use crate::scene::look::{LookDocument, Section, Spanned, Value};
 
 use super::edit::{Edit, summary};
 
@@ -86,11 +86,12 @@ impl Edit {
     }
 }
 
-/// A value as in a look; what is no value of TOML is a number that others would write so, as `.5`, or a text, as `007` is.
+/// A value as in a look; what is no value of TOML is a number that others would write so, as `.5`, a list with such, or a text, as `007`
+/// is.
 fn value_of(text: &str) -> Value {
     let bare = || match text.parse::<f64>() {
-        Ok(number) if number.is_finite() && !text.starts_with('0') => Value::Float(number),
-        _ => Value::Text(text.to_owned()),
+        Ok(number) if number.is_finite() && !is_padded(text) => Value::Float(number),
+        _ => list_of(text).unwrap_or_else(|| Value::Text(text.to_owned())),
     };
     let line = format!("[camera]\nvalue = {text}\n");
     let Ok(document) = LookDocument::parse(Path::new(""), &line) else {
@@ -101,6 +102,25 @@ fn value_of(text: &str) -> Value {
         (Some(field), true) => field.value.value,
         _ => bare(),
     }
+}
+
+/// Whether digits stand behind a zero, as in codes: `007`, `-007`.
+fn is_padded(text: &str) -> bool {
+    let digits = text.strip_prefix(['+', '-']).unwrap_or(text);
+    let behind = digits.strip_prefix('0');
+    behind.is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit()))
+}
+
+/// A list of values each of which is told for itself; `None` for other texts, and where commas may be part of a value.
+fn list_of(text: &str) -> Option<Value> {
+    let inside = text.strip_prefix('[')?.strip_suffix(']')?.trim();
+    if inside.contains(['[', ']', '{', '}', '"', '\'', '\n']) {
+        return None;
+    }
+    let inside = inside.strip_suffix(',').unwrap_or(inside);
+    let items = inside.split(',').map(str::trim);
+    let items = items.map(|item| (!item.is_empty()).then(|| Spanned::new(value_of(item), 0..0)));
+    items.collect::<Option<Vec<_>>>().map(Value::List)
 }
 
 fn numbers_in(value: &Value, found: &mut Vec<f64>) {
@@ -172,6 +192,22 @@ mod tests {
                 edit,
                 Edit::set(Section::View, "exposure", Value::Float(number))
             );
+        }
+        let numbers = |text: &str| {
+            let Edit::Set { value, .. } = parsed(&format!("environment.color={text}")) else {
+                panic!("it sets a key");
+            };
+            let mut numbers = Vec::new();
+            numbers_in(&value, &mut numbers);
+            numbers
+        };
+        for text in ["[.2,.5,1]", "[ .2, +.5, 1., ]"] {
+            assert_eq!(numbers(text), [0.2, 0.5, 1.0], "{text}");
+        }
+        assert_eq!(numbers("[.2,,1]"), [0.0; 0]);
+        for code in ["007", "-007", "+00.5", "[.2", "[[.2]]", "[,]"] {
+            let edit = parsed(&format!("camera.name={code}"));
+            assert_eq!(edit, Edit::camera("name", Value::Text(code.to_owned())));
         }
         // More than a value is a text.
         let text = parsed("camera.name=1\nz=2");

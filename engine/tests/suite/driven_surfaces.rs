@@ -8,7 +8,7 @@ use ::device::Device;
 use engine::film::Film;
 use engine::procedural::TextureSources;
 use engine::scene::{Camera, LightKind, Material, Projection, PunctualLight, Scene};
-use glam::{Vec2, Vec3};
+use glam::{Affine3A, Vec2, Vec3};
 
 use crate::support::device;
 use crate::support::estimate::Estimate;
@@ -555,6 +555,34 @@ fn a_bump_leans_the_normal_against_its_slope() {
         let normal = Vec3::new(-slope, 1.0, 0.0).normalize();
         Vec3::splat(normal.dot(from.normalize()).max(0.0) / PI)
     });
+}
+
+#[test]
+fn bumps_are_as_high_far_from_the_origin() {
+    let Some(device) = device::open() else { return };
+    let look =
+        "[node.h]\ntexture='waves'\nheight=0.002\nlength=0.05\n[material.'material 0']\nbump='h'\n";
+    let seen = |away: Vec3| {
+        let mut room = scene([(floor(2.0), lambert(Vec3::ONE))], Vec3::ZERO);
+        room.instances[0].transform = Affine3A::from_translation(away);
+        room.lights.push(sun(-Vec3::new(1.0, 1.5, 0.5)));
+        let mut camera = from_above(1.0, 0.05);
+        camera.transform = Affine3A::from_translation(away) * camera.transform;
+        let shot = Shot {
+            size: (32, 32),
+            max_depth: 1,
+            spp: 16,
+        };
+        view(&device, &mut room, look, &camera, shot).mean()
+    };
+    let (near, far) = (seen(Vec3::ZERO), seen(Vec3::X * 100.0));
+    let middle = near.iter().map(|p| p[1]).sum::<f32>() / near.len() as f32;
+    let relief: f32 = near.iter().map(|p| (p[1] - middle).abs()).sum();
+    let off: f32 = (near.iter().zip(&far))
+        .map(|(a, b)| (a[1] - b[1]).abs())
+        .sum();
+    assert!(relief > 0.02 * near.len() as f32, "{relief}");
+    assert!(off < 0.05 * relief, "{off} of {relief}");
 }
 
 /// A white floor whose front faces down, so that a camera above it sees the back.

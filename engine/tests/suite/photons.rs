@@ -269,7 +269,7 @@ fn unlit_surfaces_shine_through_glass() {
     // Without a lamp there would be no photons at all.
     let panel = quad(Vec3::new(1.2, 2.0, -0.25), Vec3::X * 0.5, Vec3::Z * 0.5);
     add(&mut scene, panel, lamp(Vec3::splat(2.0)));
-    agree_below("an unlit lamp", &device, &scene, [2048, 512], [0.01, 0.12]);
+    agree_below("an unlit lamp", &device, &scene, [4096, 1024], [0.01, 0.12]);
 }
 
 /// From the very middle of one body others are where they are.

@@ -5,7 +5,7 @@ use std::rc::Rc;
 
 use texgen::did_you_mean;
 
-use crate::document::{Document, Element, ElementId};
+use crate::document::{Document, ElementId};
 use crate::types::{Type, numbers, to_linear};
 use crate::value::Value;
 
@@ -122,12 +122,12 @@ impl<'d> Converter<'d> {
         let value = if let Some(name) = element.attribute("interfacename") {
             self.interface(scope, id, name)
         } else if let Some(name) = element.attribute("nodename") {
-            match document.named(scope.graph, name) {
+            match document.named(scope.graph, id, name) {
                 Some(node) => self.node(scope, node, output),
                 None => self.missing(id, "node", name),
             }
         } else if let Some(name) = element.attribute("nodegraph") {
-            match document.child(Document::ROOT, "nodegraph", name) {
+            match document.outermost(id, "nodegraph", name) {
                 Some(graph) => self.output(&Scope::graph(graph), graph, id, output),
                 None => self.missing(id, "graph", name),
             }
@@ -135,7 +135,7 @@ impl<'d> Converter<'d> {
             self.written(id, text)
         } else if let Some(name) = output {
             // As files before 1.39 name outputs that stand outside of graphs.
-            match document.child(Document::ROOT, "output", name) {
+            match document.outermost(id, "output", name) {
                 Some(output) => self.connected(&Scope::root(), output),
                 None => self.missing(id, "output", name),
             }
@@ -230,13 +230,14 @@ impl<'d> Converter<'d> {
         let document = self.document;
         let element = document.element(id);
         if let Some(name) = element.attribute("nodename") {
-            let node = document.named(scope.graph, name)?;
+            let node = document.named(scope.graph, id, name)?;
             return Some((Rc::clone(scope), node));
         }
         let name = element.attribute("nodegraph")?;
-        let graph = document.child(Document::ROOT, "nodegraph", name)?;
+        let graph = document.outermost(id, "nodegraph", name)?;
         let output = document.output(graph, element.attribute("output"))?;
-        let node = document.named(graph, document.element(output).attribute("nodename")?)?;
+        let name = document.element(output).attribute("nodename")?;
+        let node = document.named(graph, output, name)?;
         Some((Scope::graph(graph), node))
     }
 
@@ -311,14 +312,15 @@ impl<'d> Converter<'d> {
         let document = self.document;
         let node = document.element(id);
         let definition = match node.attribute("nodedef") {
-            Some(name) => document.child(Document::ROOT, "nodedef", name),
-            None if document.definitions(&node.kind).is_empty() => None,
+            Some(name) => document.outermost(id, "nodedef", name),
+            None if document.definitions(id).is_empty() => None,
             None => {
-                let signature = self.signature(id);
+                let inputs = self.inputs_of(id);
+                let signature = self.signature(id, &inputs);
                 match self.definitions.get(&signature) {
                     Some(known) => *known,
                     None => {
-                        let found = self.fitting(id);
+                        let found = self.fitting(id, &inputs);
                         self.definitions.insert(signature, found);
                         found
                     }
@@ -329,12 +331,15 @@ impl<'d> Converter<'d> {
     }
 
     /// All that chooses the definition of a node: many nodes share it.
-    fn signature(&self, id: ElementId) -> String {
+    fn signature(&self, id: ElementId, inputs: &[ElementId]) -> String {
         let document = self.document;
         let node = document.element(id);
         let of = |name| node.attribute(name).unwrap_or("");
-        let mut signature = format!("{}\n{}\n{}", node.kind, of("type"), of("version"));
-        for given in self.inputs_of(id) {
+        let space = document.space(id).unwrap_or("");
+        let (ty, version) = (of("type"), of("version"));
+        let mut signature = format!("{space}\n{}\n{ty}\n{version}", node.kind);
+        for &given in inputs {
+            let given = document.element(given);
             let ty = given.attribute("type").unwrap_or("");
             for part in [given.name(), ty] {
                 signature.push('\n');
@@ -344,19 +349,31 @@ impl<'d> Converter<'d> {
         signature
     }
 
-    /// What a node is given, itself.
-    fn inputs_of(&self, id: ElementId) -> impl Iterator<Item = &'d Element> {
+    /// What an element is given: its own inputs, then those that it inherits and hasn't itself.
+    pub(crate) fn inputs_of(&mut self, id: ElementId) -> Vec<ElementId> {
         let document = self.document;
-        let children = document.children(id).iter();
-        let inside = children.map(|&child| document.element(child));
-        inside.filter(|child| matches!(&*child.kind, "input" | "parameter"))
+        let mut names = HashSet::new();
+        let mut found = Vec::new();
+        for at in document.lineage(id) {
+            let children = document.children(at);
+            if at != id {
+                // Each that is looked at is a step: any number of nodes may inherit the same ones.
+                self.steps = self.steps.saturating_add(children.len());
+            }
+            found.extend(children.iter().copied().filter(|&child| {
+                let element = document.element(child);
+                let is_input = matches!(&*element.kind, "input" | "parameter");
+                is_input && names.insert(element.name())
+            }));
+        }
+        found
     }
 
     /// Of the definitions of a node's category the one that counts.
-    fn fitting(&mut self, id: ElementId) -> Option<ElementId> {
+    fn fitting(&mut self, id: ElementId, inputs: &[ElementId]) -> Option<ElementId> {
         let document = self.document;
         let node = document.element(id);
-        let definitions = document.definitions(&node.kind);
+        let definitions = document.definitions(id);
         // Each that is looked at is a step: there may be as many as nodes.
         self.steps = self.steps.saturating_add(definitions.len());
         if self.is_full(id) {
@@ -365,7 +382,7 @@ impl<'d> Converter<'d> {
         let mut giving = definitions.to_vec();
         giving.retain(|&definition| self.gives(definition, id));
         let mut taking = giving.clone();
-        taking.retain(|&definition| self.takes(definition, id));
+        taking.retain(|&definition| self.takes(definition, inputs));
         let fitting = if taking.is_empty() { giving } else { taking };
         self.of_version(&fitting, node.attribute("version"))
     }
@@ -409,8 +426,9 @@ impl<'d> Converter<'d> {
     }
 
     /// Whether a definition declares all inputs that a node is given, with their types.
-    fn takes(&self, definition: ElementId, node: ElementId) -> bool {
-        self.inputs_of(node).all(|given| {
+    fn takes(&self, definition: ElementId, inputs: &[ElementId]) -> bool {
+        inputs.iter().all(|&given| {
+            let given = self.document.element(given);
             let declared = self.document.input(definition, given.name());
             declared.is_some_and(|declared| {
                 self.document.element(declared).attribute("type") == given.attribute("type")
@@ -464,17 +482,15 @@ impl<'d> Converter<'d> {
         const MAX_NEAR: usize = 100;
         let document = self.document;
         let mut known: Option<Vec<&str>> = None;
-        for &child in document.children(node) {
-            let element = document.element(child);
-            if !matches!(&*element.kind, "input" | "parameter")
-                || document.input(definition, element.name()).is_some()
-            {
+        for child in self.inputs_of(node) {
+            let name = document.element(child).name();
+            if document.input(definition, name).is_some() {
                 continue;
             }
             let known = known.get_or_insert_with(|| {
-                let declared = document.lineage(definition);
-                let declared = declared.flat_map(|at| self.inputs_of(at));
-                declared.map(Element::name).take(MAX_NEAR).collect()
+                let declared = self.inputs_of(definition).into_iter();
+                let names = declared.map(|input| document.element(input).name());
+                names.take(MAX_NEAR).collect()
             });
             self.stranger(node, child, known);
         }

@@ -215,7 +215,9 @@ impl Converter<'_> {
 
     fn warn_of_rest(&mut self, id: ElementId, texture: &TextureType) {
         let document = self.document;
-        for &child in document.children(id) {
+        let mut given = document.children(id).to_vec();
+        given.extend(self.inputs_of(id));
+        for child in given {
             let name = document.element(child).name().to_ascii_lowercase();
             let is_known = texture.parameters().iter().any(|p| is_name(&p.name, &name));
             if !is_known && !SILENT.contains(&&*name) {

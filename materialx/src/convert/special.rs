@@ -88,10 +88,8 @@ impl Converter<'_> {
             "swizzle" => &["in", "channels"],
             _ => return,
         };
-        for &child in document.children(id) {
-            let element = document.element(child);
-            let is_input = matches!(&*element.kind, "input" | "parameter");
-            if is_input && !known.contains(&element.name()) {
+        for child in self.inputs_of(id) {
+            if !known.contains(&document.element(child).name()) {
                 self.stranger(id, child, known);
             }
         }

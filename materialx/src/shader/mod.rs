@@ -6,6 +6,7 @@ mod standard_surface;
 mod surface;
 mod usd_preview;
 
+use std::collections::HashSet;
 use std::rc::Rc;
 
 use scene::look;
@@ -41,20 +42,27 @@ fn is_shader(document: &Document, id: ElementId) -> bool {
         && element.kind != "output"
 }
 
-/// What may become a material: the `surfacematerial` nodes, and surface shaders that none of them uses.
+/// What may become a material: the `surfacematerial` nodes, and surface shaders that none of them uses, itself or by inheritance.
 pub(crate) fn materials(document: &Document) -> Vec<ElementId> {
     let top = document.children(Document::ROOT).iter().copied();
-    let used: Vec<&str> = (top.clone())
-        .filter(|&id| document.element(id).kind == "surfacematerial")
-        .filter_map(|id| document.input(id, "surfaceshader"))
-        .filter_map(|input| document.element(input).attribute("nodename"))
-        .collect();
+    let mut used = HashSet::new();
+    for material in (top.clone()).filter(|&id| document.element(id).kind == "surfacematerial") {
+        if let Some(input) = document.input(material, "surfaceshader")
+            && let Some(name) = document.element(input).attribute("nodename")
+            && let Some(shader) = document.named(Document::ROOT, input, name)
+        {
+            // Those that it inherits from are seen in it.
+            used.extend(document.lineage(shader));
+        }
+    }
     let is_wanted = |&id: &ElementId| {
         let element = document.element(id);
-        element.kind == "surfacematerial"
-            || (is_shader(document, id) && !used.contains(&element.name()))
+        element.kind == "surfacematerial" || (is_shader(document, id) && !used.contains(&id))
     };
-    top.filter(is_wanted).collect()
+    let mut found: Vec<ElementId> = top.filter(is_wanted).collect();
+    // Of several of one name the first holds: not one of a namespace, whose name is longer elsewhere.
+    found.sort_by_key(|&id| document.space(id) != document.space(Document::ROOT));
+    found
 }
 
 /// Keys of a material; `None` where its shader is of no known model, which is warned of.

@@ -26,6 +26,9 @@ const NEUTRAL: [(&str, &[f32]); 12] = [
     ("iridescence", &[0.0]),
 ];
 
+/// Bumps don't lie on more others than these, which ends circles, too.
+const MAX_BUMPS: usize = 64;
+
 /// A shader that is being turned into a material.
 pub(super) struct Surface<'c, 'd> {
     pub(super) converter: &'c mut Converter<'d>,
@@ -68,6 +71,7 @@ impl<'c, 'd> Surface<'c, 'd> {
                 self.parameters.push((key, value));
             }
         }
+        self.set_flag("unlit", false);
         self.parameters
     }
 
@@ -99,13 +103,10 @@ impl<'c, 'd> Surface<'c, 'd> {
     /// Warns of what is given to inputs that the model hasn't.
     pub(super) fn name_strangers(&mut self, inputs: &[&'static str]) {
         let document = self.converter.document;
-        for &child in document.children(self.id) {
-            let element = document.element(child);
-            let name = element.name();
-            if !matches!(&*element.kind, "input" | "parameter") || inputs.contains(&name) {
-                continue;
+        for child in self.converter.inputs_of(self.id) {
+            if !inputs.contains(&document.element(child).name()) {
+                self.converter.stranger(self.id, child, inputs);
             }
-            self.converter.stranger(self.id, child, inputs);
         }
     }
 
@@ -351,7 +352,7 @@ impl<'c, 'd> Surface<'c, 'd> {
         let Some(place) = document.input(self.id, input) else {
             return;
         };
-        if let Some((scope, source)) = self.converter.source(&self.scope, place)
+        if let Some((mut scope, mut source)) = self.converter.source(&self.scope, place)
             && document.element(source).kind == "bump"
         {
             let height = self.converter.input(&scope, source, "height");
@@ -360,7 +361,20 @@ impl<'c, 'd> Surface<'c, 'd> {
             if let Some(height @ Value::Link(_)) = height {
                 self.bump(place, &height, &scale);
             }
-            // The bumps are on a surface that may lean already.
+            // The bumps are on a surface that may lean already, or have bumps itself.
+            for _ in 0..MAX_BUMPS {
+                let on = document.input(source, "normal");
+                let Some((outer, below)) = on.and_then(|on| self.converter.source(&scope, on))
+                else {
+                    break;
+                };
+                if document.element(below).kind != "bump" {
+                    break;
+                }
+                let message = "of bumps on bumps the last one is shown";
+                self.converter.warn(below, message);
+                (scope, source) = (outer, below);
+            }
             let below = self.converter.input(&scope, source, "normal");
             self.driven_normal(source, "normal", below);
             return;

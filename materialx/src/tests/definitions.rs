@@ -103,6 +103,39 @@ fn of_overloaded_definitions_the_one_counts_that_takes_what_is_given() {
 }
 
 #[test]
+fn inputs_that_a_node_inherits_choose_its_definition_too() {
+    let definition = |name: &str, ty: &str, value: &str| {
+        format!(
+            r#"<nodedef name="ND_{name}" node="pick"><input name="in" type="{ty}"/><output name="out" type="float"/></nodedef>
+            <nodegraph name="NG_{name}" nodedef="ND_{name}"><constant name="k" type="float">
+            <input name="value" type="float" value="{value}"/></constant>
+            <output name="out" type="float" nodename="k"/></nodegraph>"#
+        )
+    };
+    let rest = format!(
+        r#"{}{}<pick name="base" type="float"><input name="in" type="vector3" value="1, 1, 1"/></pick>
+        <pick name="x" type="float" inherit="base"/>
+        <pick name="y" type="float" inherit="base"><input name="in" type="float" value="1"/></pick>
+        <constant name="k" type="float"><input name="vlue" type="float" value="1"/></constant>
+        <constant name="l" type="float" inherit="k"/>"#,
+        definition("number", "float", "0.25"),
+        definition("vector", "vector3", "0.5"),
+    );
+    let inputs = r#"<input name="metalness" type="float" nodename="x"/><input name="coat" type="float" nodename="y"/>
+        <input name="sheen" type="float" nodename="l"/>"#;
+    let converted = imported(&Memory::default(), &rest, inputs);
+    let text = look_text(&converted);
+    for wanted in ["metallic = 0.5", "coat = 0.25"] {
+        assert!(text.contains(wanted), "{wanted}:\n{text}");
+    }
+    let said = warnings(&converted).join("\n");
+    assert!(
+        said.contains("`constant` has no input `vlue`: it has no effect"),
+        "{said}"
+    );
+}
+
+#[test]
 fn of_several_versions_the_nodes_own_counts_or_the_default() {
     let definition = |name: &str, attributes: &str, input: &str| {
         format!(

@@ -3,6 +3,8 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use scene::look;
+
 use super::{Memory, PICTURE, graph, imported, warnings};
 use crate::{Converted, Document, Wanted, convert, look_text};
 
@@ -177,17 +179,84 @@ fn namespaces_of_materialx_are_read() {
 }
 
 #[test]
+fn what_has_a_namespace_takes_no_ones_place() {
+    let graph = |attributes: &str, value: &str| {
+        format!(
+            r#"<nodegraph name="NG" {attributes}><constant name="k" type="color3"><input name="value" type="color3" value="{value}"/>
+            </constant><output name="out" type="color3" nodename="k"/></nodegraph>"#
+        )
+    };
+    // Its own definition is found by either name.
+    for definition in ["ND", "my:ND"] {
+        let own = format!(
+            r#"<materialx version="1.39" namespace="my"><nodedef name="ND" node="grey"><output name="out" type="color3"/></nodedef>{}
+            <grey name="g" type="color3"/>
+            <standard_surface name="S" type="surfaceshader"><input name="base_color" type="color3" nodename="g"/>
+            <input name="metalness" type="float" value="1"/></standard_surface>
+            <surfacematerial name="M" type="material"><input name="surfaceshader" type="surfaceshader" nodename="S"/></surfacematerial>
+            <surfacematerial name="N" type="material"><input name="surfaceshader" type="surfaceshader" nodename="S"/></surfacematerial>
+            </materialx>"#,
+            graph(&format!("nodedef=\"{definition}\""), "0.25, 0.25, 0.25")
+        );
+        let text = format!(
+            r#"<materialx version="1.39"><xi:include href="own.mtlx"/>{}
+            <standard_surface name="S" type="surfaceshader"><input name="base_color" type="color3" nodegraph="NG" output="out"/>
+            </standard_surface>
+            <surfacematerial name="M" type="material"><input name="surfaceshader" type="surfaceshader" nodename="S"/></surfacematerial>
+            <surfacematerial name="O" type="material"><input name="surfaceshader" type="surfaceshader" nodename="my:S"/></surfacematerial>
+            </materialx>"#,
+            graph("", "1, 0, 0")
+        );
+        let converted = read(&Memory::default().with("own.mtlx", &own), &text);
+        let materials: Vec<_> = (converted.materials.iter())
+            .map(|material| {
+                let color = material
+                    .parameters
+                    .iter()
+                    .find(|(key, _)| *key == "base_color");
+                (material.name.as_str(), &color.expect("a colour").1)
+            })
+            .collect();
+        let red = look::Value::numbers(&[1.0, 0.0, 0.0]);
+        let grey = look::Value::numbers(&[0.25, 0.25, 0.25]);
+        assert_eq!(materials, [("M", &red), ("O", &grey), ("N", &grey)]);
+    }
+}
+
+#[test]
+fn attributes_of_other_programs_are_not_read() {
+    let text = r#"<materialx version="1.39"><standard_surface ui:name="pretty" name="S" type="surfaceshader">
+        <input name="metalness" type="float" ui:value="0.25" value="0.75"/></standard_surface></materialx>"#;
+    let look = look_text(&read(&Memory::default(), text));
+    assert!(look.contains("[material.S]"), "{look}");
+    assert!(look.contains("metallic = 0.75"), "{look}");
+}
+
+#[test]
+fn comments_before_the_root_may_name_it() {
+    let text = "<!-- The <materialx> root holds all. -->\n<materialx version=\"1.39\">\n<xi:include href=\"stdlib/stdlib_defs.mtlx\"/>\n\
+        <standard_surface name=\"S\" type=\"surfaceshader\"/></materialx>";
+    assert_eq!(warnings(&read(&Memory::default(), text)), [""; 0]);
+}
+
+#[test]
 fn libraries_of_materialx_need_not_be_there() {
     for href in [
         "stdlib/stdlib_defs.mtlx",
         "libraries/bxdf/standard_surface.mtlx",
         "../libraries/other.mtlx",
+        "libraries/lights/lights_defs.mtlx",
     ] {
         let text = format!(
             r#"<materialx version="1.39"><xi:include href="{href}"/><standard_surface name="S" type="surfaceshader"/></materialx>"#
         );
         assert_eq!(warnings(&read(&Memory::default(), &text)), [""; 0]);
     }
+    // Anyone's folder may be called so.
+    let text = r#"<materialx version="1.39"><xi:include href="lights/own.mtlx"/></materialx>"#;
+    let read = Document::parse(&Memory::default(), Path::new("a.mtlx"), text);
+    let error = read.expect_err("it is not there").render();
+    assert!(error.contains("cannot read lights/own.mtlx"), "{error}");
 }
 
 #[test]

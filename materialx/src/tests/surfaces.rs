@@ -65,6 +65,7 @@ fn nothing_of_the_scenes_own_material_is_seen() {
                 "sheen_color = [0.0, 0.0, 0.0]",
                 "anisotropy = 0.0",
                 "iridescence = 0.0",
+                "unlit = false",
             ],
         );
         assert!(!text.contains("attenuation"), "{text}");
@@ -74,7 +75,7 @@ fn nothing_of_the_scenes_own_material_is_seen() {
         &text,
         &["transmission = 0.5", "attenuation_color = [1.0, 1.0, 1.0]"],
     );
-    assert!(!text.contains("transmission = 0.0"), "{text}");
+    assert!(!text.contains("\ntransmission = 0.0"), "{text}");
 }
 
 #[test]
@@ -174,6 +175,21 @@ fn bumps_lie_on_the_normal_that_they_are_given() {
     let text = look_text(&imported(&Memory::default(), rest, inputs));
     assert_has(&text, &["bump = \"h\""]);
     assert!(text.contains("\nnormal = \"n"), "{text}");
+    // Of bumps on bumps the last one, on the normal below all; also where they lie on themselves.
+    let upper = r#"<noise3d name="g" type="float"/><bump name="c" type="vector3"><input name="height" type="float" nodename="g"/>
+        <input name="normal" type="vector3" nodename="b"/></bump>"#;
+    let inputs = inputs.replace("\"b\"", "\"c\"");
+    let converted = imported(&Memory::default(), &format!("{rest}{upper}"), &inputs);
+    let text = look_text(&converted);
+    assert_has(&text, &["bump = \"g\""]);
+    assert!(text.contains("\nnormal = \"n"), "{text}");
+    assert_eq!(
+        warnings(&converted),
+        ["of bumps on bumps the last one is shown"]
+    );
+    let circle = format!("{rest}{upper}").replace("nodename=\"n\"", "nodename=\"c\"");
+    let converted = imported(&Memory::default(), &circle, &inputs);
+    assert_has(&look_text(&converted), &["bump = \"g\""]);
     let constant =
         |name: &str| format!(r#"<input name="{name}" type="vector3" value="0.3, 0, 0.9"/>"#);
     let inputs = [
@@ -232,4 +248,8 @@ fn surfaces_materials_and_graphs_inherit() {
         &["metallic = 0.75", "roughness = 0.25", "amplitude = 0.125"],
     );
     assert_eq!(warnings(&converted), [""; 0]);
+    // Surfaces that are only inherited from are no materials.
+    let all = convert(&document, &files, &Wanted::default()).expect("a look");
+    let names: Vec<&str> = all.materials.iter().map(|m| m.name.as_str()).collect();
+    assert_eq!(names, ["M", "N"]);
 }

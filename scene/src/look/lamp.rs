@@ -73,6 +73,15 @@ pub(super) fn light(
     Some(light)
 }
 
+/// A light of a kind, as messages speak of it.
+fn called(kind: LampKind) -> String {
+    let article = match kind {
+        LampKind::Area => "an",
+        _ => "a",
+    };
+    format!("{article} {} light", kind.word())
+}
+
 /// What can't be said together.
 fn check(reader: &mut Reader, light: &LightLook, table: &[Field]) {
     let key = |wanted: &str| table.iter().find(|field| field.key.value == wanted);
@@ -105,7 +114,7 @@ fn check(reader: &mut Reader, light: &LightLook, table: &[Field]) {
     for (wanted, kinds) in OF_KINDS {
         if let Some(field) = key(wanted).filter(|_| !kinds.contains(&kind.value)) {
             let words: Vec<_> = kinds.iter().map(|kind| kind.word()).collect();
-            let why = format!("a {} light has no `{wanted}`", kind.value.word());
+            let why = format!("{} has no `{wanted}`", called(kind.value));
             let note = format!("lights of type {} have it", words.join(" and "));
             reader.problem_with_note(&field.key.span, why, note);
         }
@@ -118,7 +127,7 @@ fn check(reader: &mut Reader, light: &LightLook, table: &[Field]) {
     if kind.value != LampKind::Directional && key("position").is_none() {
         reader.problem_with_note(
             &kind.span,
-            format!("a {} light needs a `position`", kind.value.word()),
+            format!("{} needs a `position`", called(kind.value)),
             "as in position = [0.0, 2.0, 1.0], metres",
         );
     }
@@ -187,5 +196,18 @@ pub fn direction_of(aim: Option<Aim>, position: Vec3) -> Option<Vec3> {
         None => Some(Vec3::NEG_Y),
         Some(Aim::Direction(direction)) => direction.try_normalize(),
         Some(Aim::At(point)) => (point - position).try_normalize(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lights_are_spoken_of_with_their_article() {
+        let spoken = LampKind::ALL.map(called);
+        for expected in ["an area light", "a spot light", "a point light"] {
+            assert!(spoken.iter().any(|s| s == expected), "{expected}");
+        }
     }
 }

@@ -45,13 +45,16 @@ impl Graph {
         let expected = declared.ty;
         let found = self.link_output(source, swizzle)?;
         if let Err(remedy) = link_fits(found, declared) {
+            let name = self.name(source);
+            let taken = swizzle.map_or_else(String::new, |swizzle| swizzle.to_string());
             return Err(GraphError::LinkType {
                 node: self.name(node).to_owned(),
                 parameter: parameter.to_owned(),
                 expected,
-                source_node: self.name(source).to_owned(),
+                source_node: name.to_owned(),
+                link: format!("{name}{taken}").into(),
                 found,
-                remedy,
+                remedy: remedy.into(),
             });
         }
         let may_close = node == source || self.nodes[node.index()].was_read;

@@ -19,8 +19,28 @@ pub(super) fn is_of_mixture(message: &str) -> bool {
 /// Functions that naga doesn't compute of numbers without a type of their own.
 const UNCOMPUTED: [&str; 4] = ["mix", "smoothstep", "transpose", "determinant"];
 
-/// What is wrong with a call of nothing but numbers without a type, where naga speaks of such a number at `span`.
+/// What is wrong where a function that declares no result returns what is at `span`: of a number without a type naga doesn't say so.
+fn of_return(outline: &Outline<'_>, span: &Range<usize>) -> Option<(String, String)> {
+    let tokens = &outline.tokens.tokens;
+    let at = tokens.partition_point(|token| token.start < span.start);
+    let mut functions = outline.functions.iter();
+    let function = functions.find(|function| function.body.contains(&at))?;
+    let before = (function.body.start..at).rev();
+    let mut ends = before.filter(|&at| matches!(outline.word(at), ";" | "{" | "}"));
+    let is_returned = outline.word(ends.next()? + 1) == "return";
+    (is_returned && function.result.is_empty()).then(|| {
+        let message = "a value is returned, but the function declares none";
+        let remedy = "write `-> TYPE` behind its parameters";
+        (message.to_owned(), remedy.to_owned())
+    })
+}
+
+/// What is wrong with a call of nothing but numbers without a type, or with a number that is returned, where naga speaks of such a
+/// number at `span`.
 pub(super) fn of_literals(outline: &Outline<'_>, span: &Range<usize>) -> Option<(String, String)> {
+    if let Some(told) = of_return(outline, span) {
+        return Some(told);
+    }
     let is_number = |at: usize| {
         let token = outline.tokens.tokens[at];
         token.kind != TokenKind::Word
@@ -136,7 +156,7 @@ pub(super) fn in_plain_words(message: &str) -> Option<(String, Option<String>)> 
             "index {index} is beyond the end of what is indexed here"
         ));
     }
-    if message.starts_with("float literal is ") {
+    if message.starts_with("Float literal is ") {
         let remedy = "a constant has to be finite".to_owned();
         return Some(("this is not a finite number".to_owned(), Some(remedy)));
     }
@@ -223,6 +243,7 @@ mod tests {
                 "Index 3 is out of bounds for expression [3]",
                 "index 3 is beyond the end of what is indexed here",
             ),
+            ("Float literal is infinite", "this is not a finite number"),
             (
                 "Abstract types may only appear in constant expressions",
                 "a number meets something here that it doesn't go with",

@@ -58,6 +58,8 @@ fn calls_with_numbers_without_a_type() {
         ("k * mix(1.0, 2.0, 0.5)", "`mix(1.0f, ...)`"),
         ("k * mix(1, 2.0, 0.5)", "`mix(1.0f, ...)`"),
         ("smoothstep(0.0, 1.0, 0.5)", "`smoothstep(0.0f, ...)`"),
+        ("smoothstep(0, 1, 0.5)", "`smoothstep(0.0f, ...)`"),
+        ("mix(0, 1, 0.5)", "`mix(0.0f, ...)`"),
         (
             "k * determinant(mat2x2(1.0, 0.0, 0.0, 1.0))",
             "as `vec3f(...)`",
@@ -77,6 +79,18 @@ fn calls_with_numbers_without_a_type() {
             &body(&format!("let x = {expression}; return k * x;")),
             &[part],
         );
+    }
+}
+
+#[test]
+fn functions_that_return_a_number_but_declare_none() {
+    for text in [
+        "fn userProc() { return 1.0; }",
+        "fn userProc(a: f32) { if a > 0 { return 1; } }",
+        "fn one() { let a = 2.0; return mix(0, 1, 0.5); }\nfn userProc(a: f32) -> f32 { one(); return a; }",
+    ] {
+        let parts = ["the function declares none", "write `-> TYPE`"];
+        check(text, &parts);
     }
 }
 

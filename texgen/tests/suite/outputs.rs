@@ -114,7 +114,10 @@ fn links_take_outputs_and_components_of_them() {
             "`cells` has no output `colour`; did you mean `color`?: it has distance, cell, color, all",
         ),
         ("cell.z", "`cells` gives vec2f: it has no `.cell.z`"),
-        ("cell", "take a part of it, like `.x`"),
+        (
+            "cell",
+            "`cells.cell` gives vec2f, but parameter `b` of `sum` is of type f32: take a part of it, like `.x`",
+        ),
     ] {
         let error = graph.set_link(sum, "b", cells, take(text)).expect_err(text);
         assert!(error.to_string().contains(says), "{error}");

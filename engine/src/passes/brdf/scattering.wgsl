@@ -57,7 +57,12 @@ fn sample_direct_light(
         return false;
     }
     let value = bsdf_eval(m.bsdf, l, wo, wi);
-    let weight = light_sample_weight(light.pdf, going_on * value.w, light.delta);
+    var weight = light_sample_weight(light.pdf, going_on * value.w, light.delta);
+    let tells_shadow = catches_shadows && v.depth == 0u && light.point.x == MISS;
+    if (tells_shadow) {
+        // What a shadow catcher tells of the light doesn't depend on who finds it for the picture: `weight` is divided out below.
+        weight = max(weight, 1e-6);
+    }
     if (leaves_diffuse && going_on < 1.0 && weight > 0.0) {
         leave_light_share(v, light_sample_weight(light.pdf, value.w, light.delta) / weight);
     }
@@ -87,7 +92,7 @@ fn sample_direct_light(
         note_light_sample(v, m.bsdf, l, wo, wi, value.xyz, light.group);
     }
     // What a program makes of a lamp isn't known where something is in its way.
-    if (catches_shadows && v.depth == 0u && light.point.x == MISS) {
+    if (tells_shadow) {
         path_write(split_field(PATH_CAUGHT), v.slot, vec4f(contribution / weight, max_component(contribution)));
     }
     queue_append(QUEUE_SHADOW, v.slot);

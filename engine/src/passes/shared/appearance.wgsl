@@ -54,10 +54,12 @@ fn mapped_normal(s: Surface, material: u32, instance: u32, texture: u32, map: ve
 // A shading normal that the viewer sees: one that is bent too far is bent back, also that of a smooth surface of few triangles near its rim.
 fn visible_normal(normal: vec3f, s: Surface) -> vec3f {
     let cosine = dot(normal, s.wo);
-    if (cosine >= 0.01) {
+    // What is flat leans no farther than it does.
+    let least = min(0.01, 0.5 * dot(s.geometric_normal, s.wo));
+    if (cosine >= least) {
         return normal;
     }
-    return normalize(normal + s.wo * (0.01 - cosine));
+    return normalize(normal + s.wo * (least - cosine));
 }
 
 fn is_direction(v: vec3f) -> bool {

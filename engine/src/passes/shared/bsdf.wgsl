@@ -130,7 +130,9 @@ fn single_scattering(b: Bsdf, wo: vec3f, place: vec2f) -> vec2f {
     let sine2 = max(1.0 - wo.z * wo.z, 1e-6);
     let alpha = sqrt(dot(wo.xy * wo.xy, b.alpha * b.alpha) / sine2);
     let seen = albedo_lookup(wo.z, sqrt(alpha)).xy;
-    let single = min((table.x + table.y) * (1.0 + 0.015 * stretch2(b)), 1.0); // rather too dark than too bright
+    // By integration as near as that comes, and rather too dark than too bright.
+    let more = stretch2(b) * (0.005 + 0.15 * min(b.alpha.x, b.alpha.y));
+    let single = min((table.x + table.y) * (1.0 + more), 1.0);
     return seen * (single / max(seen.x + seen.y, 1e-3));
 }
 

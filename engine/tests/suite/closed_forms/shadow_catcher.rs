@@ -6,7 +6,7 @@ use ::device::Device;
 use engine::film::{Film, Layer, Layers};
 use engine::renderer::Renderer;
 use engine::scene::{LightKind, Material, PunctualLight, Scene};
-use engine::settings::{Method, RenderSettings};
+use engine::settings::{Estimator, Method, RenderSettings};
 use glam::Vec3;
 
 use crate::light_parts::methods;
@@ -40,14 +40,18 @@ fn film_by(
     first_sample: u32,
     spp: u32,
 ) -> Film {
-    let procedural = no_textures(scene);
     let settings = RenderSettings {
         layers: layers().of_scene(scene),
         first_sample,
         method,
         ..settings(&from_above(5.0, HALF), SHOT)
     };
-    let renderer = Renderer::new(device, scene, &procedural, &settings);
+    film_with(&settings, device, scene, spp)
+}
+
+fn film_with(settings: &RenderSettings, device: &Device, scene: &mut Scene, spp: u32) -> Film {
+    let procedural = no_textures(scene);
+    let renderer = Renderer::new(device, scene, &procedural, settings);
     let mut renderer = renderer.unwrap_or_else(|error| panic!("{error}"));
     let rendered = renderer.render(spp).and_then(|()| renderer.film());
     rendered.unwrap_or_else(|error| panic!("{error}"))
@@ -213,6 +217,36 @@ fn a_shadow_is_the_share_of_all_light_that_is_kept() {
             (alpha - expected_alpha).abs() < 3e-3,
             "{alpha} {expected_alpha}"
         );
+    }
+}
+
+#[test]
+fn shadows_are_the_same_whoever_finds_the_light() {
+    let Some(device) = device::open() else { return };
+    // A roof close above the middle, under an even sky.
+    let roof = quad(Vec3::new(-0.5, 0.4, 0.5), Vec3::X, Vec3::NEG_Z);
+    let roof_material = Material {
+        double_sided: true,
+        ..lambert(Vec3::ZERO)
+    };
+    let objects = [(floor(4.0), catcher()), (roof, roof_material)];
+    let mut scene = scene(objects, Vec3::ONE);
+    let mut mean = |estimator| {
+        let settings = RenderSettings {
+            layers: layers().of_scene(&scene),
+            estimator,
+            ..settings(&from_above(0.3, HALF), SHOT)
+        };
+        let film = film_with(&settings, &device, &mut scene, 256);
+        let factor = values(&film, "shadow_catcher");
+        factor.iter().sum::<Vec3>() / factor.len() as f32
+    };
+    let expected = mean(Estimator::Mis);
+    assert!(expected.max_element() < 0.9, "{expected}");
+    for estimator in Estimator::ALL {
+        let factor = mean(estimator);
+        let off = (factor - expected).abs().max_element();
+        assert!(off < 5e-3, "{estimator:?}: {factor}, not {expected}");
     }
 }
 

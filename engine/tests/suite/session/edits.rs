@@ -4,7 +4,7 @@ use engine::scene::look::{AoDirection, AoSettings, Section, Value};
 use engine::session::{Edit, Session, SessionError};
 use texgen::{Interpolation, Ramp};
 
-use super::look::{LOOK, TEXTURES};
+use super::look::{LOOK, RINGS, TEXTURES, TINT};
 use super::stage::{Stage, film, is_same, read, settle};
 use crate::support::device;
 
@@ -343,4 +343,52 @@ fn a_saved_look_keeps_what_was_not_edited() {
         generation,
         "one's own saving is no change"
     );
+}
+
+#[test]
+fn warnings_of_a_texture_outlive_an_edit_of_another() {
+    if device::open().is_none() {
+        return;
+    }
+    let stage = Stage::new(LOOK, &TEXTURES);
+    let odd = RINGS.replace("rings = 3", "rings [5 .. 1] = 3");
+    stage.write("textures/rings.wgsl", &odd);
+    let mut session = stage.open("scene.look.toml");
+    let mut warned = |name: &str, text: &str| {
+        stage.write(name, text);
+        session.sources_changed();
+        settle(&mut session);
+        assert!(session.problems().is_empty(), "{}", session.problems());
+        let warnings = session.warnings().render();
+        warnings.matches("not a range").count()
+    };
+    let tint = TINT.replace("amount * amount", "amount");
+    assert_eq!(warned("textures/tint.wgsl", &tint), 1);
+    let still = odd.replace("0.5 + 0.5", "0.4 + 0.6");
+    assert_eq!(warned("textures/rings.wgsl", &still), 1);
+    assert_eq!(warned("textures/rings.wgsl", RINGS), 0);
+}
+
+#[test]
+fn numbers_of_materials_build_nothing_where_a_texture_does_not_fit() {
+    if device::open().is_none() {
+        return;
+    }
+    let stage = Stage::new(LOOK, &TEXTURES);
+    let mut session = stage.open("scene.look.toml");
+    stage.write("textures/rings.wgsl", &RINGS.replace("count", "number"));
+    session.sources_changed();
+    settle(&mut session);
+    assert!(!session.problems().is_empty());
+    let mut builds = |edit: &Edit| {
+        session.edit(edit).expect("an edit");
+        session.poll().unwrap_or_else(|error| panic!("{error}"));
+        let is_building = session.is_building();
+        settle(&mut session);
+        assert!(!session.problems().is_empty());
+        is_building
+    };
+    assert!(!builds(&Edit::material("Wall", "coat", number(0.4))));
+    let count = texgen::Value::F32(7.0);
+    assert!(builds(&Edit::argument("rings", "count", &count)));
 }

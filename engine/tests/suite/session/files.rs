@@ -66,6 +66,9 @@ fn what_the_look_gives_outlives_its_parameter() {
         session.sources_changed();
         session.look_changed();
         settle(&mut session);
+        // Nothing comes of a scene that is saved as it was.
+        session.assets_changed();
+        settle(&mut session);
         (session.problems().to_string(), film(&mut session))
     };
     // Renamed, removed, retyped; and as it was.
@@ -111,17 +114,25 @@ fn a_texture_whose_file_is_gone_is_told_of_until_it_is_back() {
     let stage = Stage::new(LOOK, &TEXTURES);
     let mut session = stage.open("scene.look.toml");
     let old = film(&mut session);
-    fs::remove_file(stage.path("textures/tint.wgsl")).expect("it is there");
-    session.sources_changed();
-    settle(&mut session);
-    let told = session.problems().to_string();
-    assert!(told.contains("texture `tint`: its file is gone"), "{told}");
-    assert!(is_same(&old, &film(&mut session)));
-    stage.write("textures/tint.wgsl", TINT);
-    session.sources_changed();
-    settle(&mut session);
-    assert!(session.problems().is_empty(), "{}", session.problems());
-    assert!(is_same(&old, &film(&mut session)));
+    let other = TINT.replace("amount * amount", "amount");
+    for text in [TINT, &other] {
+        fs::remove_file(stage.path("textures/tint.wgsl")).expect("it is there");
+        session.sources_changed();
+        settle(&mut session);
+        let told = session.problems().to_string();
+        assert!(told.contains("texture `tint`: its file is gone"), "{told}");
+        // Whoever reads all for a scene that is saved misses it, too.
+        session.assets_changed();
+        settle(&mut session);
+        assert!(is_same(&old, &film(&mut session)));
+        stage.write("textures/tint.wgsl", text);
+        session.sources_changed();
+        settle(&mut session);
+        assert!(session.problems().is_empty(), "{}", session.problems());
+        let shown = film(&mut session);
+        assert_eq!(is_same(&old, &shown), text == TINT);
+        assert!(is_same(&shown, &stage.fresh(LOOK)));
+    }
 }
 
 #[test]
