@@ -126,12 +126,15 @@ fn bytes_of(size: [u32; 3]) -> u64 {
     4 * size.map(u64::from).iter().product::<u64>()
 }
 
+/// Width and height.
+type Size = (u32, u32);
+
 /// Sizes of the images, then of the levels of each that has any; and the numbers of those images, each with that of its first level.
 fn with_levels(
-    full: impl Iterator<Item = (u32, u32)>,
+    full: impl Iterator<Item = Size>,
     reads: &TextureReads<'_>,
-) -> (Vec<(u32, u32)>, Vec<(usize, usize)>) {
-    let mut sizes: Vec<(u32, u32)> = full.collect();
+) -> (Vec<Size>, Vec<(usize, usize)>) {
+    let mut sizes: Vec<Size> = full.collect();
     let mut with_levels = Vec::new();
     for &image in reads.with_levels {
         let full = sizes[image as usize];

@@ -256,7 +256,7 @@ fn check_environment(imported: &mut Imported, look: Option<&Look>) -> Result<(),
     let Some(problem) = imported.environment_problem.take() else {
         return Ok(());
     };
-    if !look.is_some_and(|look| look.environment.is_some()) {
+    if look.is_none_or(|look| look.environment.is_none()) {
         return Err(problem);
     }
     let warning = format!("{problem}; the look has another environment");
