@@ -122,6 +122,7 @@ impl Overrides {
         let error = Diagnostic::error(format!("{flag}: there is no {what} called `{name}`"));
         Some(error.with_note(match did_you_mean(name, names) {
             Some(near) => format!("did you mean `{near}`?"),
+            None if !is_name(name) => format!("names of {what}s are letters, digits, `_` and `-`"),
             None => remedy,
         }))
     }
@@ -176,6 +177,12 @@ impl Overrides {
         }
         told
     }
+}
+
+/// Whether a look takes this for the name of a node or an AO table.
+fn is_name(text: &str) -> bool {
+    let is_right = |c: char| c.is_alphanumeric() || c == '_' || c == '-';
+    !text.is_empty() && text.chars().all(is_right)
 }
 
 /// Whether an edit shows that a new table is meant: a node gets its texture, an AO table is read by a node.
@@ -481,6 +488,9 @@ mod tests {
             (node, &["valve_rust.scale=2"], ""),
             (node, &["a.scale=2"], "--set a.texture=TEXTURE"),
             (node, &["a.scale=2", "a.texture=fbm"], ""),
+            // A remedy that would be refused, too, is none.
+            (node, &["graph.x.y=1"], "names of nodes are letters"),
+            (ao, &["ao.far.off.y=1"], "names of AO tables are letters"),
             (of_documents, &["brass.scale=2"], ""),
             (ao, &["ao.crevises.distance=2"], "did you mean `crevices`?"),
             (ao, &["ao.crevices.distance=2"], ""),

@@ -404,6 +404,19 @@ fn write(
     {
         console::note(&summary);
     }
+    let refined = (rendered.settings.iter())
+        .find(|(name, _)| name == engine::fingerprint::REFINEMENT)
+        .map(|(_, times)| times.as_str());
+    if let Some(times) = refined {
+        let times = if times == "1" {
+            "once".to_owned()
+        } else {
+            format!("{times} times")
+        };
+        console::note(&format!(
+            "rendered again {times} with finer records, for the brightness was off"
+        ));
+    }
     if let Some(audit) = &rendered.audit {
         let clamped = job.clamp.is_some();
         console::note(&limits::bias(audit, clamped, is_more_than_paths_find));

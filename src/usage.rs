@@ -222,30 +222,26 @@ pub(crate) enum UsageError {
         because: &'static str,
     },
     /// Samples that can't be dealt out evenly.
-    #[error(
-        "--shutter: {spp} samples can't be dealt out evenly to {moments} moments; write --spp {near}, or another number of \
-         --motion-samples"
-    )]
+    #[error("--shutter: {spp} samples can't be dealt out evenly to {moments} moments; {remedy}")]
     Moments {
         /// Samples of the whole picture.
         spp: u32,
         /// Moments.
         moments: u32,
-        /// Samples that can.
-        near: u32,
+        /// What to write.
+        remedy: String,
     },
     /// Samples by which a picture of several moments can't be judged.
     #[error(
-        "--accuracy final: by {spp} samples a picture of {moments} moments can't be judged, of which each needs a multiple of {GRAIN}; write --spp {near}, or another number of \
-         --motion-samples"
+        "--accuracy final: by {spp} samples a picture of {moments} moments can't be judged, of which each needs a multiple of {GRAIN}; {remedy}"
     )]
     JudgedMoments {
         /// Samples of the whole picture.
         spp: u32,
         /// Moments.
         moments: u32,
-        /// Samples that can.
-        near: u32,
+        /// What to write.
+        remedy: String,
     },
     /// Not a part of a number of samples.
     #[error(

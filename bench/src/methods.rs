@@ -315,6 +315,8 @@ impl Runner {
         is_over: fn() -> bool,
     ) -> Result<Option<(f64, Film)>, RenderError> {
         self.renderer.restart();
+        // Faster code of textures would else come in the midst of a run.
+        self.renderer.device().finish_compiling();
         let start = Instant::now();
         if self.how == How::Adaptive {
             let goal = Goal::of_samples(spp);

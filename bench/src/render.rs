@@ -152,6 +152,8 @@ pub fn render(
     'all: for round in 0..=runs {
         for (at, renderer) in renderers.iter_mut().enumerate() {
             renderer.restart();
+            // Faster code of textures would else come in the midst of a run.
+            renderer.device().finish_compiling();
             let before = renderer.stats()?;
             loop {
                 if is_over() {

@@ -383,6 +383,8 @@ fn measure_threads(
     for round in 0..=setup.runs {
         for (renderer, times) in renderers.iter_mut().zip(&mut times) {
             renderer.restart();
+            // Faster code of textures would else come in the midst of a run.
+            renderer.device().finish_compiling();
             let start = Instant::now();
             if !budget.render(renderer, setup.spp)? {
                 return Ok(());
@@ -503,6 +505,9 @@ fn by_devices(
     devices: &[Device],
     budget: &mut Budget,
 ) -> Result<(f64, Vec<f64>), ScalingError> {
+    for device in devices {
+        device.finish_compiling();
+    }
     let missing = Arc::new(AtomicUsize::new(devices.len()));
     let recruits = devices.iter().map(|device| {
         let missing = Arc::clone(&missing);
@@ -568,6 +573,9 @@ fn measure_pieces(
                 Team::Beside => &mut beside[..],
             };
             let pieces = pieces(renderers[0].paths_per_sample(), tile, setup.spp, piece);
+            for renderer in renderers.iter() {
+                renderer.device().finish_compiling();
+            }
             let start = Instant::now();
             in_pieces(renderers, &pieces, setup.is_over)?;
             if budget.is_over() {

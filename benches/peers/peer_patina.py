@@ -55,8 +55,11 @@ def render(job):
 def textures(job):
     start = time.perf_counter()
     figures = job.picture("patina-textures.json")
+    # As many threads as the others have, where it is threads that render.
+    _, known = _render(job, _look(job), 1)
+    device = ["--device", f"native:{job.threads}"] if known["device"]["name"] == "native" else []
     _call(
-        job, "bench", "textures", "--scene", str(job.scene), "--material", job.material, "--look", str(_look(job)),
+        job, "bench", "textures", *device, "--scene", str(job.scene), "--material", job.material, "--look", str(_look(job)),
         "--size", f"{job.width}x{job.height}", "--spp", str(job.spp[0]), "--runs", str(job.runs),
         "--max-depth", str(job.max_depth), "--ao-rays", ",".join(map(str, job.ao_samples)), "--modes", "stack",
         "-o", str(figures),

@@ -12,8 +12,10 @@ use texgen::{
 };
 
 use crate::procedural::{EditError, Procedural, TextureSources, expanded};
-use crate::scene::Scene;
-use crate::scene::look::{AoLook, AoSettings, CameraLook, Look, NodeLook, Spanned, Value};
+use crate::scene::look::{
+    AoLook, AoSettings, CameraLook, Look, MODEL_IMAGE, NodeLook, Spanned, Value, find,
+};
+use crate::scene::{Image, Scene};
 
 /// What is looked at.
 #[derive(Debug, Clone, Copy)]
@@ -148,6 +150,20 @@ fn with_sources(node: &NodeLook, all: &[NodeLook]) -> Vec<NodeLook> {
     all.iter().filter(is_needed).cloned().collect()
 }
 
+/// Names of the model's images that nodes read.
+fn model_images(look: &Look) -> HashSet<&str> {
+    let parameters = look.nodes.iter().flat_map(|node| &node.params);
+    let files = parameters.filter_map(|parameter| match &parameter.value.value {
+        Value::Table(fields) => find(fields, "file").map(|file| &file.value),
+        value => Some(value),
+    });
+    let names = files.filter_map(|file| match file {
+        Value::Text(file) => file.strip_prefix(MODEL_IMAGE),
+        _ => None,
+    });
+    names.collect()
+}
+
 fn ao(name: &str) -> AoLook {
     AoLook {
         name: Spanned::new(name.to_owned(), 0..0),
@@ -184,7 +200,29 @@ impl Isolated {
     /// # Errors
     /// There is no such texture or node; every mistake in the textures and nodes.
     pub fn new(subject: Subject<'_>, sources: &TextureSources) -> Result<Self, Diagnostics> {
-        Self::build(Scene::default(), subject.part(sources)?, sources)
+        Self::with_images(subject, sources, &[])
+    }
+
+    /// As [`Self::new`], with the images of a model that nodes may name, as in `file = "model:wood.png"`. It keeps those that are named; their
+    /// pixels are shared.
+    ///
+    /// # Errors
+    /// As of [`Self::new`]; without its images a node that names one of them is such a mistake.
+    pub fn with_images(
+        subject: Subject<'_>,
+        sources: &TextureSources,
+        images: &[Image],
+    ) -> Result<Self, Diagnostics> {
+        let part = subject.part(sources)?;
+        // All that a scene has goes to the device.
+        let named = model_images(&part.look);
+        let images = images.iter();
+        let images = images.filter(|image| named.contains(image.short_name()));
+        let scene = Scene {
+            images: images.cloned().collect(),
+            ..Scene::default()
+        };
+        Self::build(scene, part, sources)
     }
 
     pub(crate) fn build(
@@ -266,5 +304,35 @@ mod tests {
         assert!(Isolated::new(Subject::Node("d", &look), &sources).is_ok());
         let cyclic = Isolated::new(Subject::Node("a", &look), &sources);
         assert!(cyclic.is_err_and(|e| e.to_string().contains("cyclic link")));
+    }
+
+    #[test]
+    fn images_of_the_model_are_read_where_they_are_handed_in() {
+        let text = "[node.plain]\ntexture = \"t\"\nmap = \"model:t.png\"\n\
+                    [node.both]\ntexture = \"t\"\nmap = { file = \"model:u.png\", filter = \"nearest\" }\n";
+        let look = Look::parse(Path::new("l.toml"), text).unwrap_or_else(|e| panic!("{e}"));
+        let mut sources = TextureSources::default();
+        sources.insert(
+            "t",
+            "fn userProc(map: sam2D) -> vec4f { return tex2D(map, readAttr(TexCoord0).xy); }",
+        );
+        let image = |name: &str| Image {
+            name: format!("image \"{name}\""),
+            width: 1,
+            height: 1,
+            rgba8: Arc::new(vec![255; 4]),
+            srgb: true,
+        };
+        let images = ["other.png", "t.png", "u.png"].map(image);
+        for (node, name) in [("plain", "t.png"), ("both", "u.png")] {
+            let subject = Subject::Node(node, &look);
+            let made = Isolated::with_images(subject, &sources, &images);
+            let kept = made.unwrap_or_else(|e| panic!("{e}")).scene.images;
+            let names: Vec<&str> = kept.iter().map(Image::short_name).collect();
+            assert_eq!(names, [name]);
+            let without = Isolated::new(subject, &sources).map(|_| ());
+            let error = without.unwrap_err().to_string();
+            assert!(error.contains("no image of that name"), "{error}");
+        }
     }
 }

@@ -65,7 +65,8 @@ pub(crate) struct Context<'a> {
 }
 
 impl<'a> Context<'a> {
-    /// Makes some edits as one step. Those of one widget that follow each other, as in a drag, are one step too.
+    /// Makes some edits as one step. Those of one widget that follow each other while a button or a key is held, as in a drag, are one step
+    /// too.
     pub(crate) fn edit(&mut self, label: &str, edits: Vec<Edit>, widget: Option<&Response>) {
         self.actions.push(Action::Edit {
             label: label.to_owned(),
@@ -179,7 +180,8 @@ impl<'a> Context<'a> {
             return;
         }
         let (document, textures, model) = (self.document, self.textures, self.model);
-        let (texture, error) = previews.picture(ui.ctx(), document, textures, model, node);
+        let images = self.scene.images;
+        let (texture, error) = previews.picture(ui.ctx(), document, textures, images, model, node);
         if let Some(texture) = texture {
             let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
             ui.painter()

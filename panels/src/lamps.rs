@@ -420,13 +420,11 @@ fn added(document: &Document, scene: SceneView<'_>, kind: LampKind) -> (String, 
         Value::Text(kind.word().to_owned()),
     )];
     let mut set = |key: &str, value| edits.push(Edit::set(section(), key, value));
-    let place = |v: Vec3| Value::numbers(&v.to_array().map(short));
+    let place = |v: Vec3| Value::numbers(&v.to_array().map(|x| near(x, far)));
     match kind {
         LampKind::Directional => {
-            set(
-                "direction",
-                place((at - position).normalize_or(Vec3::NEG_Y)),
-            );
+            let to = (at - position).normalize_or(Vec3::NEG_Y);
+            set("direction", Value::numbers(&to.to_array().map(short)));
             set("intensity", Value::number(short(PI)));
         }
         _ => {
@@ -455,7 +453,7 @@ fn seen(camera: &Camera) -> (Vec3, Vec3, Vec3, Vec3) {
     (eye, at, axes.x_axis.into(), axes.y_axis.into())
 }
 
-/// With three digits: nobody reads more.
+/// With three digits: nobody reads more. Not for places, which may lie far from the origin: see [`near`].
 fn short(x: f32) -> f32 {
     match x == 0.0 || !x.is_finite() {
         true => 0.0,
@@ -463,6 +461,18 @@ fn short(x: f32) -> f32 {
             let scale = 10f32.powf(2.0 - x.abs().log10().floor());
             (x * scale).round() / scale
         }
+    }
+}
+
+/// A coordinate of a place with the digits that matter to what is `far` away from there: metres, both of them. It is off by less than a
+/// thousandth of that, wherever the origin is.
+fn near(x: f32, far: f32) -> f32 {
+    let share = f64::from(far.clamp(1e-6, 1e30)) * 1e-3;
+    let step = 10f64.powf(share.log10().floor());
+    match x.is_finite() && step.is_finite() {
+        // A zero without a sign.
+        true => ((f64::from(x) / step).round() * step) as f32 + 0.0,
+        false => 0.0,
     }
 }
 
@@ -478,12 +488,16 @@ pub fn place_light(
     let Some(lamp) = lamps.iter().find(|lamp| lamp.name == light) else {
         return Vec::new();
     };
-    let value = |v: Vec3| Value::numbers(&v.to_array().map(short));
-    let set = |key: &str, v: Vec3| Edit::set(lamp.section(), key, value(v));
     if lamp.kind() == LampKind::Directional {
-        return turned(lamp, "direction", set("direction", -normal));
+        let to = Value::numbers(&(-normal).to_array().map(short));
+        let edit = Edit::set(lamp.section(), "direction", to);
+        return turned(lamp, "direction", edit);
     }
     let far = lamp.position().distance(point).max(0.01);
+    let set = |key: &str, v: Vec3| {
+        let value = Value::numbers(&v.to_array().map(|x| near(x, far)));
+        Edit::set(lamp.section(), key, value)
+    };
     let position = point + normal * far;
     let mut edits = Vec::new();
     // A light that looks from somewhere says where that is.
@@ -513,4 +527,81 @@ fn turned(lamp: &Lamp<'_>, key: &str, edit: Edit) -> Vec<Edit> {
         key: other.to_owned(),
     };
     vec![clear, edit]
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use engine::scene::Projection;
+
+    use super::*;
+
+    const SCENE: SceneView<'static> = SceneView {
+        materials: &[],
+        own: 0,
+        images: &[],
+        lights: &[],
+        camera: None,
+    };
+
+    #[test]
+    fn a_place_has_the_digits_that_its_distance_asks_for() {
+        assert_eq!(near(1234.5, 2.0), 1234.5);
+        assert_eq!(near(1234.567, 20.0), 1234.57);
+        assert_eq!(near(0.012_345, 0.5), 0.0123);
+        assert_eq!(near(-0.000_04, 2.0).to_bits(), 0);
+        assert_eq!(near(f32::NAN, 1.0), 0.0);
+        assert_eq!(near(1.0, f32::NAN), 0.0);
+    }
+
+    #[test]
+    fn clicks_far_from_the_origin_place_a_light_exactly() {
+        let text = "[light.lamp]\ntype = 'spot'\nintensity = 10.0\nposition = [1230.0, 2.0, 0.0]\n\
+                    look_at = [0.0, 0.0, 0.0]\n";
+        let placed = |placing| {
+            let mut document = Document::new(Path::new("a"), text).expect("a look");
+            let place = [Vec3::new(1234.5, 2.0, 0.0), Vec3::NEG_X];
+            let edits = place_light(&document, SCENE, "lamp", placing, place);
+            document.apply("place", &edits, None).expect("it fits");
+            let light = &document.look().lights[0];
+            let position = light.position.as_ref().map(|position| position.value);
+            (position, light.aim.as_ref().map(|aim| aim.value))
+        };
+        let at = Some(Aim::At(Vec3::new(1234.5, 2.0, 0.0)));
+        assert_eq!(
+            placed(Placing::InFront),
+            (Some(Vec3::new(1230.0, 2.0, 0.0)), at)
+        );
+        assert_eq!(
+            placed(Placing::Aim),
+            (Some(Vec3::new(1230.0, 2.0, 0.0)), at)
+        );
+    }
+
+    #[test]
+    fn a_light_that_is_added_far_from_the_origin_stands_beside_the_camera() {
+        let mut document = Document::new(Path::new("a"), "").expect("a look");
+        let eye = Vec3::new(1234.5, 0.25, 7000.5);
+        let camera = Camera {
+            name: String::new(),
+            transform: glam::Affine3A::from_translation(eye),
+            projection: Projection::Perspective { y_fov: 1.0 },
+            aperture_radius: 0.0,
+            aperture_blades: 0,
+            aperture_rotation: 0.0,
+            focus_distance: 1.0,
+        };
+        let scene = SceneView {
+            camera: Some(&camera),
+            ..SCENE
+        };
+        let (_, edits) = added(&document, scene, LampKind::Area);
+        document.apply("add", &edits, None).expect("it fits");
+        let light = &document.look().lights[0];
+        let position = light.position.as_ref().map(|position| position.value);
+        assert_eq!(position, Some(eye + Vec3::new(-0.5, 0.5, 0.0)));
+        let aim = light.aim.as_ref().map(|aim| aim.value);
+        assert_eq!(aim, Some(Aim::At(eye - Vec3::Z)));
+    }
 }

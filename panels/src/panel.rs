@@ -6,7 +6,7 @@
 use std::rc::Rc;
 use std::sync::Arc;
 
-use egui::{Key, Modifiers, ScrollArea, Ui};
+use egui::{Key, Modifiers, Popup, ScrollArea, Ui};
 use engine::scene::look::Section;
 use engine::session::Document;
 
@@ -169,10 +169,7 @@ impl TexturesPanel {
         show_dragged(ui);
         let refusal = self.browser.take_refusal();
         self.message = refusal.or(self.message.take());
-        // A drag ends where the button is let go.
-        if ui.input(|input| input.pointer.any_released()) {
-            document.end_group();
-        }
+        end_group(ui, document);
     }
 
     /// Shows the graph alone, for a panel of its own; [`Self::show`] has the rest.
@@ -195,6 +192,7 @@ impl TexturesPanel {
                 cx.show_node(&node);
             }
         });
+        end_group(ui, document);
     }
 
     /// Shows something of the look, and makes the edits that come of it.
@@ -364,6 +362,19 @@ fn shortcuts(ui: &mut Ui, document: &mut Document) {
         document.redo();
     } else if pressed(Modifiers::COMMAND, Key::Z) {
         document.undo();
+    }
+}
+
+/// A drag ends where the button is let go, and what a key does that is held where that is: what comes later is a step of its own. Fields of
+/// a popup, as those of a colour, change the value letter by letter, which is one step.
+fn end_group(ui: &Ui, document: &mut Document) {
+    let (is_released, is_held) = ui.input(|input| {
+        let is_held = input.pointer.any_down() || !input.keys_down.is_empty();
+        (input.pointer.any_released(), is_held)
+    });
+    let is_typed = Popup::is_any_open(ui.ctx()) && ui.text_edit_focused();
+    if is_released || !is_held && !is_typed {
+        document.end_group();
     }
 }
 

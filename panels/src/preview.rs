@@ -1,9 +1,9 @@
 //! Small pictures of nodes: each is evaluated on a square of one metre, on a device and a thread of its own.
 //!
-//! A picture is known by what it shows: the node, all below it, and the texts of their textures. While a new one is made
-//! the former stays.
+//! A picture is known by what it shows: the node, all below it, the texts of their textures, and the images that they read. While a new one
+//! is made the former stays.
 
-use std::collections::{BTreeSet, HashMap};
+use std::collections::{BTreeSet, HashMap, HashSet};
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
@@ -13,17 +13,21 @@ use egui::{Color32, ColorImage, Rgba, TextureHandle, TextureOptions};
 use engine::evaluate::{Evaluator, Point};
 use engine::isolated::{Isolated, Subject};
 use engine::procedural::TextureSources;
-use engine::scene::look::{Look, Value};
+use engine::scene::Image;
+use engine::scene::look::{Look, MODEL_IMAGE, NodeLook, Value, find};
 use engine::session::{Document, summary};
-use texgen::OutputType;
+use texgen::{Library, OutputType, ParameterType};
 
 use crate::Textures;
 use crate::model::Model;
+use crate::model_image::ModelImage;
 
 /// Points along a side of a picture.
 const SIZE: usize = 64;
 /// Kernels that are kept: one for each set of textures.
 const MAX_KERNELS: usize = 16;
+/// Seconds after which files of images are looked at again.
+const FILES: f64 = 1.0;
 
 /// What is to be shown: a node, or without a look a texture of the library with its own values.
 struct Wanted {
@@ -31,6 +35,8 @@ struct Wanted {
     hash: u64,
     look: Option<Arc<Look>>,
     sources: Arc<TextureSources>,
+    /// Those of the model that are read.
+    images: Vec<Image>,
 }
 
 /// What it looks like, or why it can't be shown.
@@ -63,8 +69,12 @@ struct Picture {
 struct Shown {
     revision: u64,
     look: Arc<Look>,
-    textures: Arc<texgen::Library>,
+    textures: Arc<Library>,
     sources: Arc<TextureSources>,
+    /// Of all images of the model.
+    images: u64,
+    /// When the first of the hashes was made, seconds.
+    since: f64,
     hashes: HashMap<String, u64>,
 }
 
@@ -105,6 +115,7 @@ impl Previews {
         ctx: &egui::Context,
         document: &Document,
         textures: &Textures,
+        images: &[ModelImage],
         model: &Model,
         node: &str,
     ) -> (Option<&TextureHandle>, Option<&str>) {
@@ -113,18 +124,16 @@ impl Previews {
             shown.revision == document.revision() && Arc::ptr_eq(&shown.textures, &textures.library)
         });
         if !is_shown {
-            self.shown = Some(Shown {
-                revision: document.revision(),
-                look: Arc::new(document.look().clone()),
-                textures: Arc::clone(&textures.library),
-                sources: Arc::new(textures.sources.clone()),
-                hashes: HashMap::new(),
-            });
+            self.shown = Some(Shown::new(document, textures));
         }
         let shown = self.shown.as_mut().expect("it was set above");
-        let hash = hash_of(shown, model, node);
+        shown.renew(images, ctx.input(|input| input.time));
+        let hash = hash_of(shown, images, model, node);
         let picture = self.pictures.entry(node.to_owned()).or_default();
-        if picture.asked != Some(hash) {
+        // While a scene goes and another one comes, its images are not there: it is asked for then.
+        if picture.asked != Some(hash)
+            && let Some(images) = images_of(shown, images, model, node)
+        {
             picture.asked = Some(hash);
             // Without a device nobody listens.
             let _ = self.wanted.send(Wanted {
@@ -132,6 +141,7 @@ impl Previews {
                 hash,
                 look: Some(Arc::clone(&shown.look)),
                 sources: Arc::clone(&shown.sources),
+                images,
             });
         }
         (picture.texture.as_ref(), picture.error.as_deref())
@@ -161,6 +171,7 @@ impl Previews {
                 hash,
                 look: None,
                 sources: Arc::new(textures.sources.clone()),
+                images: Vec::new(),
             });
         }
         picture.texture.as_ref()
@@ -197,8 +208,72 @@ impl Previews {
     }
 }
 
+impl Shown {
+    fn new(document: &Document, textures: &Textures) -> Self {
+        Self {
+            revision: document.revision(),
+            look: Arc::new(document.look().clone()),
+            textures: Arc::clone(&textures.library),
+            sources: Arc::new(textures.sources.clone()),
+            images: 0,
+            since: f64::NEG_INFINITY,
+            hashes: HashMap::new(),
+        }
+    }
+
+    /// Forgets hashes that may be of other images than those of now.
+    fn renew(&mut self, images: &[ModelImage], now: f64) {
+        let mut hasher = DefaultHasher::new();
+        (images.iter()).for_each(|image| image.stamp().hash(&mut hasher));
+        let images = hasher.finish();
+        if self.images != images || now - self.since >= FILES {
+            self.images = images;
+            self.since = now;
+            self.hashes.clear();
+        }
+    }
+}
+
+/// The files that a node reads images from, as the look names them.
+fn files<'l>(table: &'l NodeLook, textures: &'l Library) -> impl Iterator<Item = &'l str> {
+    let texture = textures.get(&table.texture.value);
+    let parameters = texture.map(|texture| texture.parameters());
+    let parameters = parameters.unwrap_or_default();
+    let images = table.params.iter().filter(move |field| {
+        let mut parameters = parameters.iter();
+        parameters.any(|p| p.ty == ParameterType::Image && p.name == field.key.value)
+    });
+    images.filter_map(|field| match &field.value.value {
+        Value::Text(file) => Some(file.as_str()),
+        Value::Table(fields) => match &find(fields, "file")?.value {
+            Value::Text(file) => Some(file.as_str()),
+            _ => None,
+        },
+        _ => None,
+    })
+}
+
+/// The images of the model that a node and all below it read; `None` where the scene that has them is gone.
+fn images_of(
+    shown: &Shown,
+    images: &[ModelImage],
+    model: &Model,
+    node: &str,
+) -> Option<Vec<Image>> {
+    let below = model.upstream(node);
+    let tables = shown.look.nodes.iter();
+    let tables = tables.filter(|table| below.contains(table.name.value.as_str()));
+    let names = tables.flat_map(|table| files(table, &shown.textures));
+    let names: HashSet<&str> = names
+        .filter_map(|file| file.strip_prefix(MODEL_IMAGE))
+        .collect();
+    let images = images.iter();
+    let read = images.filter(|image| names.contains(image.name.as_str()));
+    read.map(ModelImage::whole).collect()
+}
+
 /// Of a node and all below it.
-fn hash_of(shown: &mut Shown, model: &Model, node: &str) -> u64 {
+fn hash_of(shown: &mut Shown, images: &[ModelImage], model: &Model, node: &str) -> u64 {
     if let Some(&hash) = shown.hashes.get(node) {
         return hash;
     }
@@ -218,6 +293,19 @@ fn hash_of(shown: &mut Shown, model: &Model, node: &str) -> u64 {
         texture
             .map(|texture| texture.file().text())
             .hash(&mut hasher);
+        for file in files(table, &shown.textures) {
+            match file.strip_prefix(MODEL_IMAGE) {
+                Some(name) => images
+                    .iter()
+                    .filter(|image| image.name == name)
+                    .for_each(|image| image.stamp().hash(&mut hasher)),
+                None => {
+                    let file = std::fs::metadata(shown.look.resolve(file)).ok();
+                    let written = file.map(|file| (file.modified().ok(), file.len()));
+                    written.hash(&mut hasher);
+                }
+            }
+        }
     }
     let hash = hasher.finish();
     shown.hashes.insert(node.to_owned(), hash);
@@ -294,7 +382,8 @@ fn picture(
         Some(look) => Subject::Node(&wanted.node, look),
         None => Subject::Texture(&wanted.node),
     };
-    let isolated = Isolated::new(subject, &wanted.sources).map_err(|p| summary(&p))?;
+    let isolated = Isolated::with_images(subject, &wanted.sources, &wanted.images);
+    let isolated = isolated.map_err(|problems| summary(&problems))?;
     let output = isolated.output();
     let library = isolated.procedural().graph().library();
     let names = library.textures().iter().map(|t| t.name().to_owned());
@@ -367,6 +456,10 @@ mod tests {
             "tint",
             "fn userProc(x: f32, red: f32) -> vec3f { return vec3f(red, x, 0.0); }",
         );
+        sources.insert(
+            "map",
+            "fn userProc(file: sam2D) -> vec4f { return tex2D(file, readAttr(TexCoord0).xy); }",
+        );
         Textures::load(&sources)
     }
 
@@ -380,20 +473,89 @@ mod tests {
         let hashes = |text: &str| {
             let document = document(text);
             let model = Model::new(&document, &textures.library);
-            let mut shown = Shown {
-                revision: 0,
-                look: Arc::new(document.look().clone()),
-                textures: Arc::clone(&textures.library),
-                sources: Arc::new(textures.sources.clone()),
-                hashes: HashMap::new(),
-            };
-            ["a", "b", "c"].map(|node| hash_of(&mut shown, &model, node))
+            let mut shown = Shown::new(&document, &textures);
+            ["a", "b", "c"].map(|node| hash_of(&mut shown, &[], &model, node))
         };
         let [a, b, c] = hashes(LOOK);
         assert_eq!(hashes(&format!("# moved\n{LOOK}")), [a, b, c]);
         let [same_a, other_b, same_c] = hashes(&LOOK.replace("0.5", "0.6"));
         assert_eq!((a, c), (same_a, same_c));
         assert_ne!(b, other_b);
+    }
+
+    const MAPS: &str = "[node.a]\ntexture = 'map'\nfile = 'model:t.png'\n\
+                        [node.b]\ntexture = 'map'\nfile = { file = 't.png', filter = 'nearest' }\n\
+                        [node.c]\ntexture = 'tint'\nx = 'b.x'\n";
+
+    fn image(name: &str, red: u8) -> Image {
+        Image {
+            name: format!("image \"{name}\""),
+            width: 1,
+            height: 1,
+            rgba8: Arc::new(vec![red, 0, 0, 255]),
+            srgb: true,
+        }
+    }
+
+    #[test]
+    fn a_picture_is_made_anew_when_an_image_changes() {
+        let textures = textures();
+        let folder = tempfile::tempdir().expect("a folder");
+        let look = folder.path().join("a.look.toml");
+        let document = Document::new(&look, MAPS).expect("a look");
+        let model = Model::new(&document, &textures.library);
+        let mut shown = Shown::new(&document, &textures);
+        let mut hashes = |red: u8, now: f64| {
+            let images = [("t.png", red), ("other.png", 0)];
+            let images = images.map(|(name, red)| ModelImage::new(&image(name, red)));
+            shown.renew(&images, now);
+            ["a", "b", "c"].map(|node| hash_of(&mut shown, &images, &model, node))
+        };
+        let [a, b, c] = hashes(1, 0.0);
+        let [other_a, same_b, same_c] = hashes(2, 0.0);
+        assert_ne!(a, other_a);
+        assert_eq!([b, c], [same_b, same_c]);
+        // Files are looked at once in a while.
+        std::fs::write(folder.path().join("t.png"), "not much").expect("a file");
+        assert_eq!(hashes(2, 0.5), [other_a, b, c]);
+        let [same_a, there_b, there_c] = hashes(2, 1.5);
+        assert_eq!(same_a, other_a);
+        assert!(there_b != b && there_c != c);
+        std::fs::write(folder.path().join("t.png"), "something else").expect("a file");
+        let [_, changed_b, changed_c] = hashes(2, 3.0);
+        assert!(changed_b != there_b && changed_c != there_c);
+        assert_eq!(hashes(2, 4.5), [other_a, changed_b, changed_c]);
+    }
+
+    #[test]
+    fn images_of_the_model_are_handed_to_the_nodes_that_read_them() {
+        let textures = textures();
+        let document = document(MAPS);
+        let model = Model::new(&document, &textures.library);
+        let shown = Shown::new(&document, &textures);
+        let whole = [image("t.png", 200), image("other.png", 0)];
+        let small = whole.each_ref().map(ModelImage::new);
+        let read = |node: &str| images_of(&shown, &small, &model, node);
+        let images = read("a").expect("the scene is there");
+        let names: Vec<&str> = images.iter().map(Image::short_name).collect();
+        assert_eq!(names, ["t.png"]);
+        assert!(read("b").is_some_and(|images| images.is_empty()));
+        if let Ok(device) = Device::best() {
+            let wanted = Wanted {
+                node: "a".to_owned(),
+                hash: 0,
+                look: Some(Arc::clone(&shown.look)),
+                sources: Arc::clone(&shown.sources),
+                images: images.clone(),
+            };
+            let made = picture(&device, &mut Vec::new(), &wanted).expect("a picture");
+            let [red, green, _, _] = made.pixels[0].to_array();
+            assert!(red.abs_diff(200) <= 2 && green == 0, "{red} {green}");
+        } else {
+            eprintln!("skipped in part: there is no device");
+        }
+        drop((images, whole));
+        assert!(read("a").is_none(), "nothing keeps the scene's pixels");
     }
 
     #[test]
@@ -410,6 +572,7 @@ mod tests {
                 hash: 0,
                 look: Some(Arc::new(document(text).look().clone())),
                 sources: Arc::new(textures.sources.clone()),
+                images: Vec::new(),
             };
             picture(&device, &mut kernels, &wanted)
         };
@@ -427,6 +590,7 @@ mod tests {
             hash: 0,
             look: None,
             sources: Arc::new(textures.sources.clone()),
+            images: Vec::new(),
         };
         let by_itself = picture(&device, &mut kernels, &by_itself).expect("a picture");
         assert!(by_itself.pixels[0].r() < 60 && by_itself.pixels[SIZE - 1].r() > 250);

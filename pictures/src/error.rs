@@ -2,6 +2,9 @@
 
 /// Longest side, pixels.
 pub(crate) const MAX_SIDE: usize = 32768;
+/// Bytes that a PNG file may take beside its pixels while it is read, such as for a colour profile; larger profiles are left out. Packed,
+/// they have a thousandth of their size.
+pub(crate) const PNG_ASIDE: u64 = 64 << 20;
 /// Numbers of a file that are taken whatever its size: 256 MiB of floats.
 const FREE_VALUES: u64 = 1 << 26;
 /// No file that is whole has more numbers a byte.

@@ -4,9 +4,9 @@
 use std::io::{Cursor, Read as _};
 
 use image::codecs::hdr::HdrDecoder;
-use image::{DynamicImage, ImageDecoder, ImageReader, Limits};
+use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Limits};
 
-use crate::error::{MAX_SIDE, PictureError, check_size};
+use crate::error::{MAX_SIDE, PNG_ASIDE, PictureError, check_size};
 use crate::{Channel, Layer, Picture, exr};
 
 /// Formats by how their files begin.
@@ -51,7 +51,12 @@ pub(crate) fn hdr(bytes: &[u8]) -> Result<impl ImageDecoder, PictureError> {
     let line = bytes.iter().position(|&b| b == b'\n');
     let rest = line.map_or(&[][..], |end| &bytes[end..]);
     let reader = (&b"#?RADIANCE"[..]).chain(rest);
-    HdrDecoder::new(reader).map_err(PictureError::damaged)
+    HdrDecoder::new(reader).map_err(|error| match error {
+        ImageError::Unsupported(_) => PictureError::Unsupported(format!(
+            "is a Radiance file of a kind that isn't read ({error}); those of RGBE are, with rows from the top (a line `-Y HEIGHT +X WIDTH`)"
+        )),
+        other => PictureError::damaged(other),
+    })
 }
 
 /// The decoder of other files.
@@ -62,6 +67,9 @@ pub(crate) fn decoder(bytes: &[u8]) -> Result<impl ImageDecoder, PictureError> {
     let mut limits = Limits::no_limits();
     limits.max_image_width = Some(MAX_SIDE as u32);
     limits.max_image_height = Some(MAX_SIDE as u32);
+    if reader.format() == Some(ImageFormat::Png) {
+        limits.max_alloc = Some(PNG_ASIDE);
+    }
     reader.limits(limits);
     reader.into_decoder().map_err(PictureError::damaged)
 }
@@ -122,8 +130,6 @@ pub(crate) fn linear_to_srgb(linear: f32) -> f32 {
 
 #[cfg(test)]
 mod tests {
-    use image::ImageFormat;
-
     use super::*;
 
     fn encoded(picture: &DynamicImage, format: ImageFormat) -> Vec<u8> {
@@ -164,6 +170,19 @@ mod tests {
             assert!((found - wanted).abs() < 1e-5, "{pixel:?}");
         }
         assert_eq!(layer.alpha(), Some(&[0.2; 4][..]));
+    }
+
+    #[test]
+    fn a_colour_profile_as_large_as_a_house_is_left_out() {
+        let mut file = Vec::new();
+        let mut encoder = image::codecs::png::PngEncoder::new(&mut file);
+        let profile = vec![0; PNG_ASIDE as usize + (1 << 20)];
+        image::ImageEncoder::set_icc_profile(&mut encoder, profile).expect("a profile");
+        let pixel = DynamicImage::new_rgb8(1, 1);
+        pixel.write_with_encoder(encoder).expect("written");
+        let mut decoder = decoder(&file).expect("a picture");
+        assert!(decoder.icc_profile().is_ok_and(|icc| icc.is_none()));
+        assert_eq!(Picture::read(&file).expect("a picture").layers.len(), 1);
     }
 
     #[test]

@@ -86,8 +86,19 @@ impl Aside {
     /// Begins a file that is to be at `path`. Where that is a link, the file that it points to is meant.
     ///
     /// # Errors
-    /// What the system says: the folder isn't there or takes no files, the name is too long.
+    /// What the system says: the folder isn't there or takes no files, the name is too long; a named pipe.
     pub fn begin(path: &Path) -> io::Result<Self> {
+        #[cfg(unix)]
+        use std::os::unix::fs::FileTypeExt as _;
+
+        // To open one waits until somebody reads it, and who did so before goes when it is closed once. Pipes that are open already, such as
+        // `/dev/stdout`, are links.
+        #[cfg(unix)]
+        if fs::symlink_metadata(path).is_ok_and(|meta| meta.file_type().is_fifo()) {
+            return Err(io::Error::other(
+                "it is a named pipe; give the name of a file",
+            ));
+        }
         let is_stream = |meta: fs::Metadata| !meta.is_file() && !meta.is_dir();
         if fs::metadata(path).is_ok_and(is_stream) {
             let file = File::options().write(true).open(path)?;
@@ -273,16 +284,52 @@ fn sync_folder(folder: &Path) -> io::Result<()> {
 
 /// What the system said, without the name of a temporary file that nobody has asked for.
 fn plain(error: io::Error) -> io::Error {
-    // `tempfile` wraps the system's error with the path, and gives out no more of it than its kind.
-    match error.get_ref() {
-        Some(_) => error.kind().into(),
-        None => error,
+    // `tempfile` wraps the system's error with the path, and gives out no more of it than its kind and its text.
+    if error.get_ref().is_none() {
+        return error;
+    }
+    let text = error.to_string();
+    // The kind that has no name, such as that of too many open files.
+    match text.split_once(" at path ") {
+        Some((said, _)) if format!("{:?}", error.kind()) == "Uncategorized" => {
+            io::Error::other(said.to_owned())
+        }
+        _ => error.kind().into(),
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[cfg(unix)]
+    #[test]
+    fn a_named_pipe_is_refused() {
+        let dir = tempfile::tempdir().expect("a temporary folder");
+        let path = dir.path().join("pipe.png");
+        let made = std::process::Command::new("mkfifo").arg(&path).status();
+        if !made.is_ok_and(|status| status.success()) {
+            eprintln!("skipped: there is no mkfifo");
+            return;
+        }
+        let refused = Aside::begin(&path).map(drop).expect_err("a pipe");
+        assert!(refused.to_string().contains("named pipe"), "{refused}");
+    }
+
+    #[test]
+    fn what_the_system_said_is_told_without_the_name() {
+        let wrapped = |code: i32| {
+            let inner = io::Error::from_raw_os_error(code);
+            io::Error::new(inner.kind(), format!("{inner} at path \"/x/.patina\""))
+        };
+        assert_eq!(plain(wrapped(2)).kind(), io::ErrorKind::NotFound);
+        // Too many open files, on Linux.
+        let text = plain(wrapped(24)).to_string();
+        assert!(
+            !text.contains("path") && !text.contains("uncategorized"),
+            "{text}"
+        );
+    }
 
     #[test]
     fn a_failed_write_leaves_the_old_file_and_nothing_else() {

@@ -70,7 +70,7 @@ pub(crate) fn run(job: &BakeJob) -> Result<(), Failure> {
     let baker = Baker::new(&device, &loaded.scene, &loaded.procedural, moment)?;
     let settings = &job.fine.settings;
     let progress = &mut follow(&bar, "baking");
-    let (overlap, missed) = match subject {
+    let (overlap, missed, non_finite) = match subject {
         Subject::Material(material) => {
             let baked = baker.material(material, &target, settings, progress)?;
             bar.finish();
@@ -86,7 +86,7 @@ pub(crate) fn run(job: &BakeJob) -> Result<(), Failure> {
                     "`{key}` differs from place to place, which no picture of glTF can hold"
                 ));
             }
-            (baked.overlap, baked.missed)
+            (baked.overlap, baked.missed, baked.non_finite)
         }
         Subject::Node(source) => {
             let maps = baker.node(source, &target, settings, progress)?;
@@ -100,11 +100,14 @@ pub(crate) fn run(job: &BakeJob) -> Result<(), Failure> {
                 Format::Exr => write_floats(&job.output, maps.size, &rgba)?,
                 _ => write_bytes(&job.output, maps.size, &shown(&rgba, is_color))?,
             }
-            (maps.overlap, maps.missed)
+            (maps.overlap, maps.missed, maps.non_finite)
         }
     };
     warn_of_overlap(&layout.name, overlap);
     warn_of_missed(&layout.name, missed);
+    if let Some(words) = engine::bake::non_finite_warning(non_finite) {
+        console::warning(&words);
+    }
     Ok(())
 }
 

@@ -237,7 +237,7 @@ fn plan(job: &ExportJob) -> Result<Plan, Failure> {
 }
 
 /// The films in a folder, with the samples that they have. Those that were ended early are left out: their samples are rendered
-/// again.
+/// again, unless other films have them.
 fn films_in(folder: &Path) -> Result<Vec<(PathBuf, Samples)>, Failure> {
     let refused = |error: &dyn std::fmt::Display| {
         Failure::Failed(format!("cannot read {}: {error}", folder.display()))
@@ -258,13 +258,10 @@ fn films_in(folder: &Path) -> Result<Vec<(PathBuf, Samples)>, Failure> {
         match read() {
             Ok(part) if part.is_even() => found.push((path, part.ranges().to_vec())),
             Ok(_) => console::warning(&format!(
-                "{} was ended early: its samples are rendered again",
+                "{} was ended early; it is left out",
                 path.display()
             )),
-            Err(error) => console::warning(&format!(
-                "{}: {error}; its samples are rendered again",
-                path.display()
-            )),
+            Err(error) => console::warning(&format!("{}: {error}; it is left out", path.display())),
         }
     }
     found.sort_by(|(a, _), (b, _)| a.cmp(b));

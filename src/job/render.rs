@@ -388,17 +388,22 @@ fn motion(
         true => moments.saturating_mul(GRAIN),
         false => moments,
     };
+    let near = spp.checked_next_multiple_of(even);
+    let remedy = match near.filter(|&near| near <= MAX_SPP) {
+        Some(near) => format!("write --spp {near}, or another number of --motion-samples"),
+        None => "write another number of --motion-samples".to_owned(),
+    };
     match (spp.is_multiple_of(even), is_final) {
         (true, _) => Ok(motion),
         (false, false) => Err(UsageError::Moments {
             spp,
             moments,
-            near: spp.next_multiple_of(even),
+            remedy,
         }),
         (false, true) => Err(UsageError::JudgedMoments {
             spp,
             moments,
-            near: spp.next_multiple_of(even),
+            remedy,
         }),
     }
 }

@@ -344,6 +344,11 @@ fn what_makes_no_sense_together_is_refused() {
         ("--motion-samples 4", "--shutter"),
         ("--shutter 0.5 --noise 0.1", "--spp"),
         ("--shutter 0.5 --motion-samples 3", "--spp 66"),
+        // More samples than that there can't be.
+        (
+            "--shutter 0.5 --spp 1000000 --motion-samples 600001",
+            "moments; write another number of --motion-samples",
+        ),
         ("--shutter 0.5 --sample-range 0..8", "--part"),
         ("--turntable 0", "from 1 to"),
     ] {

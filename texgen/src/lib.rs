@@ -61,6 +61,7 @@ mod library;
 mod literal;
 mod memory_limit;
 mod metadata;
+mod nesting;
 mod parse;
 mod pointer_arguments;
 mod prelude;

@@ -14,8 +14,9 @@ use crate::recover::Attempt;
 use crate::scope::Outline;
 use crate::standard;
 
-/// No more errors of naga's than this are looked for in one file: each costs a parse.
-const MAX_ERRORS: usize = 20;
+/// No more errors of naga's than this are looked for in one file, as many as are shown: each costs a parse, and a long file ends
+/// the search before.
+const MAX_ERRORS: usize = 50;
 
 /// Parses and validates the file with what it needs of the prelude behind it (spans in the file stay what they are) and constants
 /// for the custom attributes it reads. What comes from another language was found before: the file is read without it.

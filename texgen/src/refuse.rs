@@ -42,15 +42,22 @@ pub(crate) fn refused(file: &SourceFile, outline: &Outline<'_>) -> Diagnostics {
 
 /// Finds what compilers could not survive.
 pub(crate) fn too_deep(file: &SourceFile, outline: &Outline<'_>) -> Option<Diagnostic> {
-    if let Some(at) = too_long_a_chain(outline) {
+    if let Some(TooLong { at, is_of_branches }) = too_long_a_chain(outline) {
+        let (what, note) = match is_of_branches {
+            true => (
+                "this statement is too long",
+                "each `else if` is within the former one: use `switch`, or several `if`s in functions of their own",
+            ),
+            false => ("this expression is too long", "split it up with `let`"),
+        };
         return Some(
-            Diagnostic::error("this expression is too long")
+            Diagnostic::error(what)
                 .with_label(
                     file,
                     outline.span(at),
                     format!("more than {MAX_CHAIN} names and operators, in brackets or in a row"),
                 )
-                .with_note("split it up with `let`"),
+                .with_note(note),
         );
     }
     if let Some(extra) = outline.globals.get(MAX_CHAIN) {
@@ -166,6 +173,8 @@ struct Depth {
     inner: usize,
     /// Of all up to the last separator.
     before: usize,
+    /// How many of the tokens since then are `else`.
+    branches: usize,
 }
 
 impl Depth {
@@ -181,8 +190,16 @@ impl Depth {
     }
 }
 
-/// The token up to which an expression or a statement is longer than compilers survive.
-fn too_long_a_chain(outline: &Outline<'_>) -> Option<usize> {
+/// Where something is longer than compilers survive.
+struct TooLong {
+    /// The token up to which it is.
+    at: usize,
+    /// It is a row of `else if`, no expression.
+    is_of_branches: bool,
+}
+
+/// Finds an expression or a statement that is longer than compilers survive.
+fn too_long_a_chain(outline: &Outline<'_>) -> Option<TooLong> {
     let mut depth = Depth::default();
     let mut outer = Vec::new();
     for (at, token) in outline.tokens.tokens.iter().enumerate() {
@@ -195,10 +212,15 @@ fn too_long_a_chain(outline: &Outline<'_>) -> Option<usize> {
                 depth.inner = depth.inner.max(inner);
             }
             "," | ";" => depth.separate(),
-            _ => depth.chain += 1,
+            _ => {
+                depth.chain += 1;
+                depth.branches += usize::from(token.text == "else");
+            }
         }
         if depth.whole() > MAX_CHAIN {
-            return Some(at);
+            // Of a few branches it is a condition that is long.
+            let is_of_branches = depth.branches * 20 > depth.chain;
+            return Some(TooLong { at, is_of_branches });
         }
         // Each `else if` is within the former one.
         if token.text == "}" && outline.word(at + 1) != "else" {

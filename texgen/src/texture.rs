@@ -14,6 +14,7 @@ use crate::interface::{NamedOutput, Parameter};
 use crate::libraries::Whole;
 use crate::memory_limit::{self, Needs};
 use crate::metadata::{self, Described};
+use crate::nesting;
 use crate::parse;
 use crate::reads::{self, ReadSource};
 use crate::refuse::{self, MAX_FILE_BYTES};
@@ -136,6 +137,7 @@ impl TextureType {
             Some(problem) if problem.severity == Severity::Error => return Err(problem.into()),
             problem => problems.extend(problem),
         }
+        problems.extend(nesting::warnings(&file, &outline, &module));
         let types: Vec<ParameterType> = parameters.iter().map(|parameter| parameter.ty).collect();
         let rewrite = rewrite::rewrite(&outline, &reads, &types);
         Ok(Self {

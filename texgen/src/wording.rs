@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use crate::habits::instead_of;
 use crate::prelude::prelude_names;
-use crate::scope::{GlobalKind, Outline, Role};
+use crate::scope::{FunctionDecl, GlobalKind, Outline, Role};
 use crate::suggest::did_you_mean;
 
 /// naga's note on an error of its own parser's that is the file's doing.
@@ -237,7 +237,7 @@ pub(crate) fn remedies(
     if let Some(word) = outline.text.get(place.clone()).filter(|_| unknown) {
         if let Some(note) = instead_of(word) {
             notes.push(note);
-        } else if let Some(near) = did_you_mean(word, names_in_scope(outline, place.start)) {
+        } else if let Some(near) = did_you_mean(word, names_in_scope(outline, place.start, word)) {
             if near != word {
                 notes.push(format!("did you mean `{near}`?"));
             } else if message.contains("no definition in scope") {
@@ -392,21 +392,18 @@ const BUILTINS: &str = "abs acos all any asin atan atan2 bool ceil clamp cos cos
     sin sinh smoothstep sqrt step tan tanh transpose trunc u32 vec2f vec2i vec2u vec3f vec3i \
     vec3u vec4f vec4i vec4u";
 
-/// Names that may be meant at a place: the file's, the prelude's, locals, and common built-ins.
-fn names_in_scope<'a>(outline: &Outline<'a>, place: usize) -> Vec<&'a str> {
+/// Names that may be meant at a place: the file's, the prelude's, locals, and common built-ins. `word`, which stands there, is
+/// among them also where a local of this name was declared before but isn't known there.
+fn names_in_scope<'a>(outline: &Outline<'a>, place: usize, word: &'a str) -> Vec<&'a str> {
     let in_place = outline
         .functions
         .iter()
         .find(|function| outline.span_of(&function.body).contains(&place));
     let mut names: Vec<&'a str> = Vec::new();
-    for (at, role) in outline.roles.iter().enumerate() {
-        let declares_local = *role == Role::Local(at)
-            && in_place.is_some_and(|function| {
-                function.body.contains(&at) || function.params.iter().any(|param| param.name == at)
-            });
-        if declares_local && outline.span(at).start < place {
-            names.push(outline.word(at));
-        }
+    if let Some(function) = in_place {
+        let params = function.params.iter();
+        names.extend(params.map(|param| outline.word(param.name)));
+        names.extend(locals(outline, function, place, word));
     }
     names.extend(
         outline
@@ -417,5 +414,43 @@ fn names_in_scope<'a>(outline: &Outline<'a>, place: usize) -> Vec<&'a str> {
     );
     names.extend(prelude_names().map(|name| -> &'a str { name }));
     names.extend(BUILTINS.split_whitespace());
+    names
+}
+
+/// Locals of a function that are known at a place in it: from behind their declarations to the ends of their blocks. `word`
+/// is one of them where it is declared anywhere before the place.
+fn locals<'a>(
+    outline: &Outline<'a>,
+    function: &FunctionDecl,
+    place: usize,
+    word: &'a str,
+) -> Vec<&'a str> {
+    let mut names: Vec<&'a str> = Vec::new();
+    // How many names there were where each block around the place began; that of a loop begins at its `for`.
+    let mut blocks = Vec::new();
+    let mut of_loop = None;
+    let mut declared = None; // known from the next `;` on
+    let mut is_declared = false;
+    let before = (function.body.clone()).take_while(|&at| outline.span(at).start < place);
+    for at in before {
+        if outline.roles[at] == Role::Local(at) {
+            declared = Some(at);
+            is_declared |= outline.word(at) == word;
+            continue;
+        }
+        match outline.word(at) {
+            "for" => of_loop = Some(names.len()),
+            "{" => blocks.push(of_loop.take().unwrap_or(names.len())),
+            "}" => {
+                names.truncate(blocks.pop().unwrap_or(0));
+                declared = None;
+            }
+            ";" => names.extend(declared.take().map(|name| outline.word(name))),
+            _ => {}
+        }
+    }
+    if is_declared {
+        names.push(word);
+    }
     names
 }

@@ -57,8 +57,9 @@ pub enum Command {
     TimePasses(bool),
     /// Samples per pixel after which the picture is done.
     Target(u32),
-    /// Save the look to its file, or to another one, which is its file from then on.
-    Save(Option<PathBuf>),
+    /// Save the look to its file, or to another one, which is its file from then on. The number is the [`LookFacts::outside`] that the look
+    /// has: its own file is left alone where another program has written to it since.
+    Save(Option<PathBuf>, u64),
     /// Write a picture once it is finished.
     SavePicture(PictureOrder),
     /// Write it not.

@@ -166,10 +166,10 @@ struct Render {
     region: Option<[f32; 4]>,
     /// What lies beside the region, from before changes that only the region shows.
     beside: Option<DeviceFilm>,
-    /// The instance that was picked last.
-    picked: Option<usize>,
-    /// The material that has a line around it.
-    outlined: Option<u32>,
+    /// The instance that was picked last, and its name: once the scene's file has changed it may be another one's place.
+    picked: Option<(usize, String)>,
+    /// Name of the material that has a line around it.
+    outlined: Option<String>,
     before: Option<compare::Before>,
     /// Pictures that have been kept to compare with.
     kept: u64,

@@ -220,7 +220,7 @@ fn looks_and_pictures_are_saved_where_the_system_says() {
     stage.click("Save");
     let sent = stage.sent();
     assert!(
-        matches!(&sent[..], [Command::Save(Some(path))] if path.as_os_str() == "/looks/blue.look.toml"),
+        matches!(&sent[..], [Command::Save(Some(path), _)] if path.as_os_str() == "/looks/blue.look.toml"),
         "{sent:?}"
     );
     stage.press(Modifiers::COMMAND, Key::E);

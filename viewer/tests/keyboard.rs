@@ -523,7 +523,7 @@ fn does_to_the_look(keys: &str, mut stage: Stage) -> Option<bool> {
     Some(match keys {
         "Ctrl S" => {
             stage.press(ctrl, Key::S);
-            matches!(stage.sent()[..], [Command::Save(None)])
+            matches!(stage.sent()[..], [Command::Save(None, _)])
         }
         "Ctrl Shift S" => {
             stage.press(both, Key::S);

@@ -17,7 +17,8 @@ use engine::scene::view::{View, ViewChoice};
 use engine::session::Edit;
 use patina_viewer::host::{Changes, Finished, Host, OpenDenoiser};
 use patina_viewer::link::{
-    Command, Denoise, DenoiserState, FINE, Files, PickPurpose, PictureOrder, Saving, Waker,
+    Command, Denoise, DenoiserState, Extent, FINE, Files, PickPurpose, PictureOrder, Reply, Saving,
+    Waker,
 };
 use patina_viewer::picture::Picture;
 use patina_viewer::thread::{RenderOptions, RenderThread};
@@ -36,7 +37,7 @@ const SCENE: &str = r#"{
   "asset": { "version": "2.0" },
   "scene": 0,
   "scenes": [{ "nodes": [0, 1] }],
-  "nodes": [{ "mesh": 0 }, { "name": "View", "camera": 0, "translation": [0, 0, 3] }],
+  "nodes": [{ "name": "Near", "mesh": 0 }, { "name": "View", "camera": 0, "translation": [0, 0, 3] }],
   "cameras": [{ "name": "View", "type": "perspective", "perspective": { "yfov": 0.7, "znear": 0.1 } }],
   "materials": [{ "name": "Brass" }],
   "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 }, "material": 0 }] }],
@@ -764,7 +765,7 @@ fn a_lost_device_ends_the_render_and_keeps_the_edits() {
         Command::KeepBefore(true),
         Command::Pick(glam::Vec2::splat(0.5), PickPurpose::Material),
         Command::TimePasses(true),
-        Command::Save(None),
+        Command::Save(None, 0),
         Command::SavePicture(PictureOrder {
             path: picture,
             size: [8, 8],

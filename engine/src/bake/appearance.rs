@@ -1,9 +1,11 @@
 //! What a material looks like at places: its constants, its pictures, and what its programs drive; blends are mixed.
 
 use std::collections::HashMap;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use glam::{Vec3, Vec4};
 use rayon::prelude::*;
+use texgen::Program;
 
 use crate::evaluate::{EvaluateError, Sites};
 use crate::procedural::{MaskRecipe, Output, Procedural, Recipe, SurfaceRecipe};
@@ -31,6 +33,8 @@ pub(super) struct Painter<'a> {
     pub(super) occlusion: u32,
     /// Vertices have colours.
     has_colors: bool,
+    /// Results of programs that weren't finite.
+    non_finite: AtomicU64,
 }
 
 /// The places of a batch, with what textures read there.
@@ -74,7 +78,27 @@ impl<'a> Painter<'a> {
             recipes,
             occlusion,
             has_colors,
+            non_finite: AtomicU64::new(0),
         })
+    }
+
+    /// How many results of programs weren't finite, in all batches so far: they count as 0.
+    pub(super) fn non_finite(&self) -> u64 {
+        self.non_finite.load(Ordering::Relaxed)
+    }
+
+    /// What the links of a program give at each place.
+    fn run(
+        &self,
+        program: &Program,
+        links: &[u32],
+        values: &[[f32; 4]],
+    ) -> Result<Vec<[f32; 4]>, EvaluateError> {
+        let results = self.sites.run(program, links, values)?;
+        let spoiled = results.par_iter().filter(|result| !is_finite(result));
+        let spoiled = spoiled.count() as u64;
+        self.non_finite.fetch_add(spoiled, Ordering::Relaxed);
+        Ok(results)
     }
 
     /// Whether it is made of several surfaces.
@@ -138,7 +162,7 @@ impl<'a> Painter<'a> {
                 Box::new(move |_| share)
             }
             MaskRecipe::Driven(program, link) => {
-                let shares = self.sites.run(program, &[*link], batch.values)?;
+                let shares = self.run(program, &[*link], batch.values)?;
                 Box::new(move |i| finite(shares[i])[0].clamp(0.0, 1.0))
             }
         })
@@ -152,7 +176,7 @@ impl<'a> Painter<'a> {
     ) -> Result<Vec<Appearance>, BakeError> {
         let links: Vec<u32> = surface.outputs.iter().map(|(_, link)| *link).collect();
         let driven = match &surface.program {
-            Some(program) => self.sites.run(program, &links, batch.values)?,
+            Some(program) => self.run(program, &links, batch.values)?,
             None => Vec::new(),
         };
         let rises = self.rises(surface, batch)?;
@@ -175,7 +199,7 @@ impl<'a> Painter<'a> {
         let layout = self.sites.layout();
         let stride = layout.stride();
         let frames: Vec<[Vec3; 2]> = batch.places.iter().map(steps).collect();
-        let mut heights = vec![self.sites.run(program, &[*link], batch.values)?];
+        let mut heights = vec![self.run(program, &[*link], batch.values)?];
         for direction in [0usize, 1] {
             let mut values = batch.values.to_vec();
             (values.par_chunks_mut(stride).enumerate()).for_each(|(i, values)| {
@@ -183,7 +207,7 @@ impl<'a> Painter<'a> {
                 let moved = batch.placed.moved(place, frames[i][direction]);
                 (batch.placed).write(&moved, layout, batch.occlusion[i], values);
             });
-            heights.push(self.sites.run(program, &[*link], &values)?);
+            heights.push(self.run(program, &[*link], &values)?);
         }
         let rise = |i: usize| -> Vec3 {
             let [here, along, across] = [0, 1, 2].map(|h: usize| finite(heights[h][i])[0]);
@@ -311,10 +335,14 @@ fn steps(place: &Place) -> [Vec3; 2] {
     [along * side(1), across * side(2)]
 }
 
+fn is_finite(result: &[f32; 4]) -> bool {
+    result[..3].iter().all(|x| x.is_finite())
+}
+
 /// As the kernels take a result that is not finite.
 fn finite(value: [f32; 4]) -> [f32; 3] {
     let [x, y, z, _] = value;
-    match x.is_finite() && y.is_finite() && z.is_finite() {
+    match is_finite(&value) {
         true => [x, y, z],
         false => [0.0; 3],
     }

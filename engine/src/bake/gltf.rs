@@ -219,6 +219,8 @@ pub struct BakedMaterial {
     pub overlap: f32,
     /// Share of the surface that has far less of the picture than the rest, and no texel: what lies nearest is shown there.
     pub missed: f32,
+    /// Results of programs, in samples, that are not finite: they count as 0.
+    pub non_finite: u64,
     /// What differs from place to place, but has one value in glTF: it is the mean.
     pub lost: Vec<&'static str>,
 }
@@ -355,6 +357,7 @@ impl Planes {
             has_occlusion,
             overlap: maps.overlap,
             missed: maps.missed,
+            non_finite: maps.non_finite,
             lost: self.set_means(surface, maps),
         }
     }

@@ -138,6 +138,8 @@ pub struct Maps {
     pub overlap: f32,
     /// Share of the surface that has far less of the picture than the rest, and no texel: what lies nearest is shown there.
     pub missed: f32,
+    /// Samples with numbers that are not finite: they count as 0.
+    pub non_finite: u64,
 }
 
 impl Maps {
@@ -247,7 +249,9 @@ impl<'a> Baker<'a> {
         };
         let maps = self.draw(target, settings, planes.stride(), tables, progress, paint)?;
         let surface = &scene.materials[material as usize];
-        Ok(planes.baked(surface, &maps, settings))
+        let mut baked = planes.baked(surface, &maps, settings);
+        baked.non_finite += painter.non_finite();
+        Ok(baked)
     }
 
     fn placed<'t>(&'t self, target: &Target<'_>) -> Placed<'t> {
@@ -418,6 +422,7 @@ struct Sums {
     counts: Vec<u32>,
     taken: u64,
     twice: u64,
+    non_finite: u64,
 }
 
 impl Sums {
@@ -430,6 +435,7 @@ impl Sums {
             counts: vec![0; texels],
             taken: 0,
             twice: 0,
+            non_finite: 0,
         }
     }
 
@@ -437,6 +443,8 @@ impl Sums {
         for (sample, painted) in samples.iter().zip(painted.chunks_exact(self.stride)) {
             let at = sample.texel as usize;
             self.counts[at] += 1;
+            let is_finite = painted.iter().all(|value| value.is_finite());
+            self.non_finite += u64::from(!is_finite);
             let sums = &mut self.values[at * self.stride..][..self.stride];
             for (sum, value) in sums.iter_mut().zip(painted) {
                 *sum += if value.is_finite() { *value } else { 0.0 };
@@ -467,10 +475,21 @@ impl Sums {
             stride: self.stride,
             overlap: (self.twice as f64 / (self.taken as f64 + self.twice as f64)) as f32,
             missed: 0.0,
+            non_finite: self.non_finite,
             is_shown,
             values: self.values,
         })
     }
+}
+
+/// What is to be said of so many results of textures that are not finite; nothing where there are none.
+pub fn non_finite_warning(results: u64) -> Option<String> {
+    (results > 0).then(|| {
+        format!(
+            "textures give values that are not finite (NaN or infinite); {results} of them count as 0; look for a division by \
+             zero, or the root or logarithm of a negative number"
+        )
+    })
 }
 
 /// The number of a component of an output among those of a place.

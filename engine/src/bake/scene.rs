@@ -10,7 +10,9 @@ use crate::scene::{Camera, CustomAttribute, Mesh, Sampler, Scene, TextureRef};
 
 use super::cover::{Drawn, cover, crushed};
 use super::unwrap::unwrap;
-use super::{BakeError, BakeSettings, BakedMaterial, Baker, Progress, Role, Target};
+use super::{
+    BakeError, BakeSettings, BakedMaterial, Baker, Progress, Role, Target, non_finite_warning,
+};
 
 /// Texels between pieces of what is unwrapped here.
 const MARGIN: f32 = 4.0;
@@ -310,6 +312,7 @@ impl<'a> Builder<'a> {
             lost,
             overlap,
             missed,
+            non_finite,
             ..
         } = baked;
         for key in lost {
@@ -330,6 +333,10 @@ impl<'a> Builder<'a> {
                 "{name}: {:.0} % of the surface has no texel and shows what lies nearest; take a larger --size",
                 100.0 * missed
             );
+            self.warnings.push(Diagnostic::warning(message));
+        }
+        if let Some(words) = non_finite_warning(non_finite) {
+            let message = format!("{name}: {words}");
             self.warnings.push(Diagnostic::warning(message));
         }
         for image in images {

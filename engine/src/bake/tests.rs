@@ -526,3 +526,54 @@ fn the_first_camera_is_the_one_that_the_look_says() {
     moved.transform.translation.x += 1.0;
     assert_eq!(first(&moved), 2);
 }
+
+#[test]
+fn results_that_are_not_finite_are_counted() {
+    // Infinite on the left half of the square, of 1024 samples.
+    let textures = [
+        (
+            "half",
+            "fn userProc() -> f32 { return 1.0 / max(readAttr(TexCoord0).x - 0.5, 0.0); }",
+        ),
+        ("along", ALONG),
+    ];
+    let look = |driven: &str| {
+        format!(
+            "[node.half]\ntexture = \"half\"\n[node.along]\ntexture = \"along\"\n[material.M]\n{driven}\n"
+        )
+    };
+    let count = |driven: &str| baked(&look(driven), &textures, &SETTINGS).non_finite;
+    assert_eq!(count("roughness = \"along\""), 0);
+    for driven in [
+        "roughness = \"half\"",
+        "roughness = \"along\"\nmetallic = \"half\"",
+    ] {
+        let found = count(driven);
+        assert!((400..600).contains(&found), "{driven}: {found}");
+    }
+    let of_node = with_baker(square(plain()), &look(""), &textures, |baker| {
+        let target = Target {
+            instance: 0,
+            layout: &baker.scene.meshes[0],
+            material: None,
+        };
+        let node = baker.procedural.graph().node("half").expect("it is there");
+        let go_on = &mut |_| ControlFlow::Continue(());
+        let maps = baker.node(node, &target, &SETTINGS, go_on);
+        maps.expect("pictures").non_finite
+    });
+    assert!((400..600).contains(&of_node), "{of_node}");
+    assert_eq!(non_finite_warning(0), None);
+    let words = with_baker(
+        square(plain()),
+        &look("roughness = \"half\""),
+        &textures,
+        |baker| {
+            let camera = default_camera(baker.scene);
+            let go_on = &mut |_| ControlFlow::Continue(());
+            let (_, warnings) = baker.scene(&camera, &SETTINGS, go_on).expect("a scene");
+            warnings.to_string()
+        },
+    );
+    assert!(words.contains("not finite"), "{words}");
+}

@@ -49,6 +49,8 @@ pub struct Loaded {
     pub given_lights: Vec<PunctualLight>,
     /// The scene's file has light from all directions of its own.
     pub has_given_environment: bool,
+    /// Its files have lights that are scaled to nothing at this moment: it is a dark one, and nothing stands in for them.
+    pub has_gone_lights: bool,
     /// What is shown differently from what the files say, and what is odd in the look or its textures.
     pub warnings: Diagnostics,
 }
@@ -136,7 +138,7 @@ pub fn load_from(
             &mut imported,
             None,
         )?,
-        None => Applied::nothing(&imported.scene, None),
+        None => Applied::nothing(&imported, None),
     };
     let Imported {
         mut scene,
@@ -166,6 +168,7 @@ fn finish(
         camera,
         given_lights,
         has_given_environment,
+        has_gone_lights,
     } = applied;
     procedural.give_tangents(&mut scene);
     let mut warnings: Diagnostics = warnings.into_iter().map(Diagnostic::warning).collect();
@@ -175,7 +178,8 @@ fn finish(
     warnings.extend(procedural.warnings().iter().cloned());
     let states_environment = look.as_ref().is_some_and(|look| look.environment.is_some());
     let is_lamp = |material: u32| procedural.traits(material).is_lamp;
-    if !states_environment && !has_given_environment && has_no_lamp(&scene, is_lamp) {
+    let has_light = has_given_environment || has_gone_lights;
+    if !states_environment && !has_light && has_no_lamp(&scene, is_lamp) {
         scene.environment = Environment::Constant(Vec3::ONE);
         warnings.push(Diagnostic::warning(
             "the scene has neither lamps nor an environment: pictures in files are made under an even white sky; a look can set its own `environment`",
@@ -188,6 +192,7 @@ fn finish(
         look,
         given_lights,
         has_given_environment,
+        has_gone_lights,
         warnings,
     }
 }
@@ -238,15 +243,18 @@ struct Applied {
     camera: Camera,
     given_lights: Vec<PunctualLight>,
     has_given_environment: bool,
+    has_gone_lights: bool,
 }
 
 impl Applied {
     /// Without a look.
-    fn nothing(scene: &Scene, still: Option<&Camera>) -> Self {
+    fn nothing(imported: &Imported, still: Option<&Camera>) -> Self {
+        let scene = &imported.scene;
         Self {
             camera: first_camera(scene, still),
             given_lights: scene.lights.clone(),
             has_given_environment: !is_black(&scene.environment),
+            has_gone_lights: !imported.names.gone_lights.is_empty(),
         }
     }
 }
@@ -312,6 +320,7 @@ fn apply(
             camera,
             given_lights,
             has_given_environment,
+            has_gone_lights: !gone.is_empty(),
         }),
         Ok(_) => Err(problems.into()),
         Err(problem) => {

@@ -71,7 +71,8 @@ impl Loaded {
     pub(crate) fn lit_by(&mut self, stand_in: StandIn) {
         let says_so = (self.look.as_ref()).is_some_and(|look| look.environment.is_some());
         let is_lamp = |material| self.procedural.traits(material).is_lamp;
-        if !says_so && !self.has_given_environment && has_no_lamp(&self.scene, is_lamp) {
+        let has_light = self.has_given_environment || self.has_gone_lights;
+        if !says_so && !has_light && has_no_lamp(&self.scene, is_lamp) {
             self.scene.environment = stand_in.environment();
         }
     }

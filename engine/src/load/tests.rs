@@ -417,6 +417,69 @@ const HALF_GONE: &str = r#"{
     "bufferViews": [{ "buffer": 0, "byteLength": 36 }],
     "accessors": [{ "bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0] }] }"#;
 
+/// Nothing flashes where the only lamp is switched off by its size.
+#[test]
+fn nothing_stands_in_for_a_lamp_that_is_gone_at_the_moment() {
+    let file = |nodes: &str, more: &str| {
+        let text = HALF_GONE
+            .replace(
+                r#", "extras": { "environment": { "uri": "no such.exr" } }"#,
+                "",
+            )
+            .replace("[0, 1, 2, 3, 4]", nodes)
+            .replace(r#""type": "spot""#, &format!(r#""type": "spot"{more}"#));
+        text.into_bytes()
+    };
+    let files: Arc<dyn Assets> = Arc::new(InMemory(
+        [
+            ("bare.gltf", file("[0, 1, 2]", "")),
+            ("lit.gltf", file("[0, 1, 2, 3]", "")),
+            ("wrong.gltf", file("[0, 1, 2, 3]", r#", "intensity": -1"#)),
+        ]
+        .map(|(name, bytes)| (PathBuf::from(name), bytes))
+        .into(),
+    ));
+    let include = "[[include]]\nname = 'more'\nfile = 'lit.gltf'\n";
+    let own = "[light.Beam]\ntype = 'point'\nposition = [0, 1, 0]\n";
+    for (name, look, is_white) in [
+        ("bare.gltf", None, true),
+        ("lit.gltf", None, false),
+        ("lit.gltf", Some(String::new()), false),
+        ("bare.gltf", Some(include.to_owned()), false),
+        (
+            "bare.gltf",
+            Some(format!("{include}only = ['Body']\n")),
+            true,
+        ),
+        // What can't be a lamp at any moment is none that is gone.
+        ("wrong.gltf", None, true),
+        ("wrong.gltf", Some(own.to_owned()), false),
+    ] {
+        let parsed = look.as_ref().map(|text| {
+            Look::parse(Path::new("a.look.toml"), text).unwrap_or_else(|e| panic!("{e}"))
+        });
+        let loaded = load_from(&files, Path::new(name), parsed, &[]);
+        let mut loaded = loaded.unwrap_or_else(|error| panic!("{name} {look:?}: {error}"));
+        assert_eq!(
+            !is_black(&loaded.scene.environment),
+            is_white,
+            "{name} {look:?}"
+        );
+        let told = loaded.warnings.to_string();
+        assert_eq!(
+            told.contains("neither lamps"),
+            is_white,
+            "{name} {look:?}: {told}"
+        );
+        loaded.lit_by(StandIn::Studio);
+        assert_eq!(
+            !is_black(&loaded.scene.environment),
+            is_white,
+            "{name} {look:?}"
+        );
+    }
+}
+
 #[test]
 fn what_is_gone_at_the_moment_is_no_mistake() {
     let files: Arc<dyn Assets> = Arc::new(InMemory(

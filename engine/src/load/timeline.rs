@@ -167,7 +167,7 @@ impl Timeline {
                 &mut imported,
                 still,
             )?,
-            None => Applied::nothing(&imported.scene, still),
+            None => Applied::nothing(&imported, still),
         };
         let Imported {
             mut scene,

@@ -1,7 +1,7 @@
 //! The material tables of a look brought to the scene's materials: constants are set, new materials made, and what is
 //! to be driven is noted down. No program is compiled here.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 use glam::Vec3;
@@ -130,13 +130,14 @@ impl Resolver<'_> {
     /// Makes the materials that the look adds: those that are new, and the surfaces of those that blend with themselves.
     fn declare(&mut self, look: &Look, scene: &mut Scene) {
         let blends = || look.materials.iter().filter_map(|m| m.blend.as_ref());
+        let used: HashSet<&str> = blends()
+            .flat_map(|b| [b.value.base.value.as_str(), b.value.over.value.as_str()])
+            .collect();
         let known: Vec<String> = scene.materials.iter().map(|m| m.name.clone()).collect();
         for table in &look.materials {
             let name = &table.name.value;
             if !self.out.names.contains_key(name) {
-                let is_used =
-                    blends().any(|b| b.value.base.value == *name || b.value.over.value == *name);
-                if !is_used {
+                if !used.contains(name.as_str()) {
                     let near = did_you_mean(name, known.iter().map(String::as_str));
                     self.problem(
                         &table.name.span,

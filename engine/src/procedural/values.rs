@@ -180,6 +180,13 @@ fn integer(
 ) -> Result<i64, BadArgument> {
     match value.value {
         look::Value::Integer(i) if range.contains(&i) => Ok(i),
+        look::Value::Integer(i) => {
+            let (least, most) = (range.start(), range.end());
+            bad(
+                value,
+                format!("expected a whole number from {least} to {most}, found {i}"),
+            )
+        }
         _ => mismatch(value, wanted),
     }
 }
@@ -419,6 +426,22 @@ mod tests {
             let value = look::parse_value(text).expect("TOML");
             let refused = argument(&value, ty).expect_err(text).message;
             assert_eq!(refused.contains("name of a node"), is_offered, "{refused}");
+        }
+    }
+
+    #[test]
+    fn of_whole_numbers_out_of_range_the_range_is_told() {
+        use ParameterType::*;
+        for (ty, text, expected) in [
+            (U32, "4294967296", "from 0 to 4294967295, found 4294967296"),
+            (U32, "-1", "from 0 to 4294967295, found -1"),
+            (I32, "2147483648", "from -2147483648 to 2147483647"),
+            (Array(ElementType::U32, 1), "[-1]", "from 0 to 4294967295"),
+            (U32, "1.5", "a whole number that isn't negative"),
+        ] {
+            let value = look::parse_value(text).expect("TOML");
+            let refused = argument(&value, ty).expect_err(text).message;
+            assert!(refused.contains(expected), "{refused}");
         }
     }
 }

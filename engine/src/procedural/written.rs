@@ -75,6 +75,13 @@ fn written(text: &str) -> Spanned<look::Value> {
         return value;
     }
     let spanned = |value| Spanned::new(value, 0..0);
+    // Whole numbers stay whole, and lists may hold lists.
+    if text.contains(',')
+        && let Some(list) = look::parse_value(&format!("[{text}]"))
+        && is_of_numbers(&list.value)
+    {
+        return spanned(list.value);
+    }
     let numbers: Option<Vec<f64>> = text.split(',').map(|n| n.trim().parse().ok()).collect();
     spanned(match numbers.as_deref() {
         Some(&[number]) => look::Value::Float(number),
@@ -86,6 +93,17 @@ fn written(text: &str) -> Spanned<look::Value> {
     })
 }
 
+/// Whether it is a list of numbers, or of lists.
+fn is_of_numbers(value: &look::Value) -> bool {
+    let look::Value::List(items) = value else {
+        return false;
+    };
+    let is_number = |item: &look::Value| item.as_number().is_some();
+    let is_list = |item: &look::Value| matches!(item, look::Value::List(_));
+    (items.iter()).all(|item| is_number(&item.value))
+        || items.iter().all(|item| is_list(&item.value))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -93,21 +111,55 @@ mod tests {
     #[test]
     fn quotes_and_brackets_may_be_left_out() {
         let number = |n| Spanned::new(look::Value::Float(n), 0..0);
+        let whole = |n| Spanned::new(look::Value::Integer(n), 0..0);
         for (text, expected) in [
             ("true", look::Value::Bool(true)),
             ("3", look::Value::Integer(3)),
             (".5", look::Value::Float(0.5)),
-            (
-                "1, -2.5",
-                look::Value::List(vec![number(1.0), number(-2.5)]),
-            ),
+            ("1, -2.5", look::Value::List(vec![whole(1), number(-2.5)])),
+            (".5, 1", look::Value::List(vec![number(0.5), number(1.0)])),
+            ("rock,moss", look::Value::Text("rock,moss".into())),
             ("#ff8000", look::Value::Text("#ff8000".into())),
             ("\"#ff8000\"", look::Value::Text("#ff8000".into())),
             ("maps/a b.png", look::Value::Text("maps/a b.png".into())),
             ("", look::Value::Text(String::new())),
             ("1\nx = 2", look::Value::Text("1\nx = 2".into())),
         ] {
-            assert_eq!(written(text).value, expected, "{text}");
+            assert_eq!(without_places(written(text).value), expected, "{text}");
+        }
+    }
+
+    /// The value with all that lies in lists at no place.
+    fn without_places(value: look::Value) -> look::Value {
+        match value {
+            look::Value::List(items) => {
+                let items = items.into_iter();
+                let items = items.map(|item| Spanned::new(without_places(item.value), 0..0));
+                look::Value::List(items.collect())
+            }
+            value => value,
+        }
+    }
+
+    #[test]
+    fn lists_without_brackets_suit_parameters_of_whole_numbers_and_matrices() {
+        use texgen::{ElementType, ParameterType};
+        for (text, ty) in [
+            ("1,2", ParameterType::Array(ElementType::I32, 2)),
+            ("1, -2.5", ParameterType::Vec2),
+            (".5,5.", ParameterType::Vec2),
+            ("[1,2,3],[4,5,6],[7,8,9]", ParameterType::Mat3),
+            (
+                "[1,2,3],[4,5,6]",
+                ParameterType::Array(ElementType::Vec3, 2),
+            ),
+            ("[0,'#000'],[1,'#fff']", ParameterType::Ramp),
+        ] {
+            let given = argument(&written(text), ty);
+            assert!(
+                matches!(given, Ok(Argument::Constant(_))),
+                "{text}: {given:?}"
+            );
         }
     }
 }

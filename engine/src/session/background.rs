@@ -156,6 +156,8 @@ impl Session {
                     || !procedural.graph().keeps_given(&library) =>
             {
                 self.is_unfit = true;
+                // They are understood by now: what doesn't fit is told of the look.
+                self.problems.sources = Diagnostics::new();
                 self.rebuild();
             }
             Ok(library) => self.job = Some(Job::Kernel(self.renderer.begin_reload_of(library))),
@@ -240,6 +242,7 @@ impl Session {
             look: Look::parse(&self.look_path(), &text).ok(),
             given_lights: self.given_lights.clone(),
             has_given_environment: self.has_given_environment,
+            has_gone_lights: self.has_gone_lights,
             warnings: self.warnings.clone(),
         };
         let covers = Again::default();

@@ -205,6 +205,33 @@ impl Document {
         Ok(())
     }
 
+    /// As [`Self::replace`], with the text that another one has after its last step: what others have written comes and goes as with that.
+    ///
+    /// # Errors
+    /// As there.
+    pub(super) fn replace_as_in(
+        &mut self,
+        other: &Self,
+        label: &str,
+        text: &str,
+    ) -> Result<(), Diagnostics> {
+        let revision = self.revision;
+        self.replace(label, text)?;
+        if self.revision != revision
+            && let (Some(step), Some(of)) = (self.undo.last_mut(), other.undo.last())
+        {
+            step.brings.clone_from(&of.brings);
+            step.leaves_out.clone_from(&of.leaves_out);
+        }
+        Ok(())
+    }
+
+    /// What the text has of others, and what there is of them where it lies, if that is all.
+    pub(super) fn set_others(&mut self, others: BTreeSet<u64>) {
+        self.others_of_file.clone_from(&others);
+        self.others = others;
+    }
+
     /// What other programs have written to the file, by numbers, as far as the text has it: to be kept beside a text that
     /// [`Self::return_to`] may bring back.
     pub fn others(&self) -> &BTreeSet<u64> {

@@ -173,7 +173,8 @@ impl Session {
     pub(super) fn has_no_lamp(&self) -> bool {
         let procedural = self.renderer.procedural();
         let is_lamp = |material| procedural.traits(material).is_lamp;
-        !self.has_given_environment && load::has_no_lamp(&self.scene, is_lamp)
+        let has_light = self.has_given_environment || self.has_gone_lights;
+        !has_light && load::has_no_lamp(&self.scene, is_lamp)
     }
 
     /// Brings what is shown to what is wanted: by writes if they suffice, else in the background.

@@ -108,6 +108,8 @@ pub struct Session {
     given_lights: Vec<PunctualLight>,
     /// Whether its file has light from all directions of its own.
     has_given_environment: bool,
+    /// Whether its files have lights that are gone at the moment that is shown.
+    has_gone_lights: bool,
     /// That of the look.
     camera: Camera,
     /// How the look has its picture shown.

@@ -103,6 +103,7 @@ impl Session {
         self.scene = loaded.scene;
         self.given_lights = loaded.given_lights;
         self.has_given_environment = loaded.has_given_environment;
+        self.has_gone_lights = loaded.has_gone_lights;
         self.camera = loaded.camera;
         self.warnings = loaded.warnings;
         self.look_view = loaded.look.map_or_else(Default::default, |look| look.view);

@@ -52,17 +52,18 @@ impl Document {
         let text = moved(&Disk, self.text(), folders);
         let mut is_other = text != self.text();
         let mut there = Self::new(path, &text).ok()?;
-        let mut done_there = 0;
+        let (mut done_there, mut others) = (0, self.others().clone());
         for (number, label) in (1..).zip(&labels).take(last).skip(self.done()) {
             self.go_to(number);
             let text = moved(&Disk, self.text(), folders);
             is_other |= text != self.text();
-            there.replace(label, &text).ok()?;
+            there.replace_as_in(self, label, &text).ok()?;
             if number == done {
-                done_there = there.done();
+                (done_there, others) = (there.done(), self.others().clone());
             }
         }
         there.go_to(done_there);
+        there.set_others(others);
         is_other.then_some(there)
     }
 }
@@ -339,6 +340,32 @@ file = 'tex/car.glb'
         assert_eq!((plain.path(), plain.done()), (&*there, 1));
         assert_eq!(plain.text(), "[view]\nexposure = 1.0\n");
         assert_eq!(plain.steps().count(), 2);
+    }
+
+    #[test]
+    fn what_others_have_written_is_known_in_another_folder() {
+        let folder = folder(&["tex/sky.hdr", "looks/a"]);
+        let look = |exposure: f32| {
+            format!("environment = {{ image = 'tex/sky.hdr' }}\n[view]\nexposure = {exposure:?}\n")
+        };
+        let path = folder.path().join("a.look.toml");
+        let mut document = Document::new(&path, &look(0.0)).expect("a look");
+        document.replace("mine", &look(1.0)).expect("a look");
+        document
+            .replace_by_others("theirs", &look(2.0))
+            .expect("a look");
+        document.replace("mine", &look(3.0)).expect("a look");
+        document.undo();
+        let others = document.others().clone();
+        assert_eq!(others.len(), 1);
+        assert!(document.move_to(&folder.path().join("looks/a.look.toml")));
+        assert!(document.text().contains("../tex/sky.hdr"));
+        assert_eq!(document.others(), &others);
+        assert!(!document.leaves_out_others());
+        // The file there has it, so that it may be lost without it.
+        assert!(document.undo() && document.leaves_out_others());
+        assert!(document.redo() && !document.leaves_out_others());
+        assert!(document.redo() && !document.leaves_out_others());
     }
 
     #[test]

@@ -217,6 +217,7 @@ impl Opening {
             look,
             given_lights,
             has_given_environment,
+            has_gone_lights,
         } = self.loaded;
         let settings = make_settings(camera.clone());
         let renderer =
@@ -235,6 +236,7 @@ impl Opening {
             scene,
             given_lights,
             has_given_environment,
+            has_gone_lights,
             camera,
             view: None,
             look_view: look.map_or_else(Default::default, |look| look.view),

@@ -8,13 +8,13 @@ use ::device::Device;
 use engine::film::Film;
 use engine::procedural::TextureSources;
 use engine::scene::{Camera, LightKind, Material, Projection, PunctualLight, Scene};
-use glam::{Affine3A, Vec2, Vec3};
+use glam::{Affine3A, Vec2, Vec3, Vec4};
 
 use crate::support::device;
 use crate::support::estimate::Estimate;
 use crate::support::scenes::{
     Shot, add, camera, faceted_sphere, floor, floor_point, from_above, lambert, lamp, quad,
-    render_textured, scene, textured,
+    render_textured, scene, textured, unlit,
 };
 use crate::support::stats::ZTest;
 
@@ -351,6 +351,18 @@ fn an_opacity_of_squares_is_squares() {
     }
     let reference = view(&device, &mut built_room, "", &oblique(), SHOT);
     assert_same("opacity of squares", &tested, &reference, MEAN_ERROR);
+}
+
+#[test]
+fn an_unlit_surface_shows_no_less_than_nothing() {
+    let Some(device) = device::open() else { return };
+    let mut scene = scene([(floor(9.0), unlit(Vec4::ONE))], Vec3::ZERO);
+    let look = "[node.n]\ntexture='three'\nvalue=[0.5, -0.001, 0.25]\n[material.'material 0']\nbase_color='n'\n";
+    let film = view(&device, &mut scene, look, &from_above(1.0, 0.5), SHOT);
+    for pixel in film.mean() {
+        let off = (Vec3::from(pixel) - Vec3::new(0.5, 0.0, 0.25)).abs();
+        assert!(off.max_element() < 1e-3, "{pixel:?}");
+    }
 }
 
 #[test]

@@ -370,6 +370,33 @@ fn what_is_reflected_inside_another_body_follows_the_ratio_of_their_indices() {
 }
 
 #[test]
+fn what_is_nearly_alike_hardly_reflects_at_grazing_angles_either() {
+    let Some(device) = device::open() else { return };
+    let index = 1.01;
+    let objects = [
+        (floor(9.0), lamp(Vec3::ONE)),
+        (plate(0.02, 0.04), body(index)),
+    ];
+    let mut scene = scene(objects, Vec3::ZERO);
+    let slant = 80f32.to_radians();
+    let seen = Vec3::Y * 0.04;
+    let view = camera(
+        seen + 5.0 * Vec3::new(slant.sin(), slant.cos(), 0.0),
+        seen,
+        Vec3::Y,
+        Projection::Perspective { y_fov: 0.002 },
+    );
+    let film = render(&device, &mut scene, &view, DEEP);
+    // Fresnel's reflection of unpolarised light, of two borders between which light goes to and fro.
+    let (outside, inside) = (slant.cos(), (1.0 - (slant.sin() / index).powi(2)).sqrt());
+    let of = |a: f32, b: f32| ((a - b) / (a + b)).powi(2);
+    let reflected = 0.5 * (of(outside, index * inside) + of(index * outside, inside));
+    let passing = (1.0 - reflected) / (1.0 + reflected);
+    let mean = film.mean().into_iter().map(Vec3::from).sum::<Vec3>() / film.pixels() as f32;
+    assert!((mean.y - passing).abs() < 0.01, "{mean}, {passing}");
+}
+
+#[test]
 fn overlapping_bodies_of_one_glass_are_one_body() {
     let Some(device) = device::open() else { return };
     let view = |boxes: &[(f32, f32)]| {

@@ -280,6 +280,8 @@ impl<'d> Converter<'d> {
         self.open.push(key.clone());
         let results = match self.definition(id) {
             Some((definition, graph)) => self.defined(scope, id, definition, graph),
+            // Its definition may not have been looked for to the end.
+            None if self.has_ended(id) => None,
             None => self.leaf(scope, id),
         };
         self.open.pop();

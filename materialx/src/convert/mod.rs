@@ -176,18 +176,26 @@ impl<'d> Converter<'d> {
         name
     }
 
-    /// Whether there are more nodes than a look should have.
+    /// Looks at one more: whether there are more nodes than a look should have, or too much has been looked at.
     pub(crate) fn is_full(&mut self, id: ElementId) -> bool {
         self.steps += 1;
-        let is_full = self.out.nodes.len() >= MAX_NODES || self.steps > MAX_STEPS;
-        if is_full {
-            // The first place says it all.
-            let message = format!("more than {MAX_NODES} nodes: the rest is left out");
-            if self.warned.insert((Document::ROOT, message.clone())) {
-                self.out.warnings.push(self.document.warning(id, message));
-            }
+        self.has_ended(id)
+    }
+
+    /// As [`Self::is_full`], without looking at one more.
+    fn has_ended(&mut self, id: ElementId) -> bool {
+        let message = if self.steps > MAX_STEPS {
+            "too many definitions and nodes to look at: the rest is left out".to_owned()
+        } else if self.out.nodes.len() >= MAX_NODES {
+            format!("more than {MAX_NODES} nodes: the rest is left out")
+        } else {
+            return false;
+        };
+        // The first place says it all, whichever the reason: no other warning is empty.
+        if self.warned.insert((Document::ROOT, String::new())) {
+            self.out.warnings.push(self.document.warning(id, message));
         }
-        is_full
+        true
     }
 
     /// Texture coordinates, or the position, that nodes take where nothing is connected.

@@ -42,7 +42,8 @@ fn is_shader(document: &Document, id: ElementId) -> bool {
         && element.kind != "output"
 }
 
-/// What may become a material: the `surfacematerial` nodes, and surface shaders that none of them uses, itself or by inheritance.
+/// What may become a material: the `surfacematerial` nodes, and surface shaders that none of them uses and no other shader inherits
+/// from.
 pub(crate) fn materials(document: &Document) -> Vec<ElementId> {
     let top = document.children(Document::ROOT).iter().copied();
     let mut used = HashSet::new();
@@ -53,6 +54,13 @@ pub(crate) fn materials(document: &Document) -> Vec<ElementId> {
         {
             // Those that it inherits from are seen in it.
             used.extend(document.lineage(shader));
+        }
+    }
+    for shader in (top.clone()).filter(|&id| is_shader(document, id)) {
+        let bases: Vec<ElementId> = document.lineage(shader).skip(1).collect();
+        // Of those that inherit from each other in a circle none is the base.
+        if !bases.contains(&shader) {
+            used.extend(bases);
         }
     }
     let is_wanted = |&id: &ElementId| {

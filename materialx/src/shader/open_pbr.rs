@@ -142,7 +142,7 @@ pub(super) fn convert(s: &mut Surface<'_, '_>) {
     s.opacity(&opacity);
     s.normal("geometry_normal");
     if is_thin {
-        s.set_flag("double_sided", true);
+        s.thin_wall();
     }
     s.ignores(
         "base_diffuse_roughness",

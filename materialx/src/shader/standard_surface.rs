@@ -134,7 +134,7 @@ pub(super) fn convert(s: &mut Surface<'_, '_>) {
     s.opacity(&opacity);
     s.normal("normal");
     if is_thin {
-        s.set_flag("double_sided", true);
+        s.thin_wall();
     }
     s.ignores("diffuse_roughness", 0.0, "diffuse surfaces are Lambertian");
     s.ignores("transmission_scatter", 0.0, "bodies don't scatter");

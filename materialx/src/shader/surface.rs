@@ -11,7 +11,7 @@ use crate::types::Type;
 use crate::value::{Link, Value};
 
 /// What a plain material has of that which a scene's own may have otherwise.
-const NEUTRAL: [(&str, &[f32]); 12] = [
+const NEUTRAL: [(&str, &[f32]); 13] = [
     ("emission", &[0.0, 0.0, 0.0]),
     ("opacity", &[1.0]),
     ("specular", &[1.0]),
@@ -23,6 +23,7 @@ const NEUTRAL: [(&str, &[f32]); 12] = [
     ("coat", &[0.0]),
     ("sheen_color", &[0.0, 0.0, 0.0]),
     ("anisotropy", &[0.0]),
+    ("anisotropy_rotation", &[0.0]),
     ("iridescence", &[0.0]),
 ];
 
@@ -57,13 +58,12 @@ impl<'c, 'd> Surface<'c, 'd> {
     /// All keys. Those that the model leaves as they are in a plain material are written, too, or else those of a material
     /// of the scene would be seen; but where the document is of a model whose own materials say the rest.
     pub(super) fn finish(mut self) -> Vec<(&'static str, look::Value)> {
-        let has = |s: &Self, key: &str| s.parameters.iter().any(|(known, _)| *known == key);
         if self.converter.document.is_of_model {
             return self.parameters;
         }
-        let is_body = has(&self, "transmission");
+        let is_body = self.has("transmission");
         for (key, neutral) in NEUTRAL {
-            if !has(&self, key) && (is_body || key != "attenuation_color") {
+            if !self.has(key) && (is_body || key != "attenuation_color") {
                 let value = match neutral {
                     [number] => look::Value::number(*number),
                     color => look::Value::numbers(color),
@@ -73,6 +73,11 @@ impl<'c, 'd> Surface<'c, 'd> {
         }
         self.set_flag("unlit", false);
         self.parameters
+    }
+
+    /// Whether a key is set already.
+    fn has(&self, key: &str) -> bool {
+        self.parameters.iter().any(|(known, _)| *known == key)
     }
 
     /// What an input has, or its default.
@@ -178,6 +183,15 @@ impl<'c, 'd> Surface<'c, 'd> {
     /// Sets a key that is on or off.
     pub(super) fn set_flag(&mut self, key: &'static str, on: bool) {
         self.parameters.push((key, look::Value::Bool(on)));
+    }
+
+    /// What makes the surface a thin wall: both sides of it are seen, and it bounds no body, also where the scene's own material
+    /// does.
+    pub(super) fn thin_wall(&mut self) {
+        self.set_flag("double_sided", true);
+        if !self.has("solid") {
+            self.set_flag("solid", false);
+        }
     }
 
     /// Warns where an input is given and isn't what it would be without it.

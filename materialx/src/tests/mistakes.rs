@@ -291,3 +291,36 @@ fn many_definitions_and_names_do_not_multiply() {
     let taken = start.elapsed();
     assert!(taken < Duration::from_secs(20), "{taken:?}");
 }
+
+#[test]
+fn where_too_many_definitions_are_looked_at_nothing_else_is_said() {
+    // Each has an input of its own, by which it is found among all the others.
+    let definitions: String = (0..2000)
+        .map(|i| {
+            format!(
+                r#"<nodedef name="D{i}" node="foo"><input name="i{i}" type="float" value="1"/><output name="out" type="float"/></nodedef>
+                <nodegraph name="G{i}" nodedef="D{i}"><output name="out" type="float" value="0.5"/></nodegraph>"#
+            )
+        })
+        .collect();
+    let nodes: String = (0..150)
+        .map(|i| {
+            format!(
+                r#"<foo name="f{i}" type="float"><input name="i{i}" type="float" value="1"/></foo>
+                <output name="o{i}" type="float" nodename="f{i}"/>"#
+            )
+        })
+        .collect();
+    let rest = format!(
+        r#"{definitions}
+        <nodedef name="DA" node="all"><output name="o0" type="float"/></nodedef>
+        <nodegraph name="GA" nodedef="DA">{nodes}</nodegraph><all name="x" type="float"/>"#
+    );
+    let input = r#"<input name="metalness" type="float" nodename="x" output="o0"/>"#;
+    let converted = imported(&Memory::default(), &rest, input);
+    assert_eq!(
+        warnings(&converted),
+        ["too many definitions and nodes to look at: the rest is left out"]
+    );
+    assert!(look_text(&converted).contains("metallic = 0.5"));
+}

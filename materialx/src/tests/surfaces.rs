@@ -64,6 +64,7 @@ fn nothing_of_the_scenes_own_material_is_seen() {
                 "coat = 0.0",
                 "sheen_color = [0.0, 0.0, 0.0]",
                 "anisotropy = 0.0",
+                "anisotropy_rotation = 0.0",
                 "iridescence = 0.0",
                 "unlit = false",
             ],
@@ -76,6 +77,27 @@ fn nothing_of_the_scenes_own_material_is_seen() {
         &["transmission = 0.5", "attenuation_color = [1.0, 1.0, 1.0]"],
     );
     assert!(!text.contains("\ntransmission = 0.0"), "{text}");
+    // OpenPBR has no turn, also where its reflections stretch.
+    let anisotropy = number("specular_roughness_anisotropy", "0.5");
+    let (text, _) = look(OPEN_PBR, &[anisotropy]);
+    assert_has(&text, &["anisotropy_rotation = 0.0"]);
+}
+
+#[test]
+fn thin_walls_bound_no_body() {
+    for (model, wall, weight) in [
+        ("standard_surface", "thin_walled", "transmission"),
+        (OPEN_PBR, "geometry_thin_walled", "transmission_weight"),
+    ] {
+        let wall = format!(r#"<input name="{wall}" type="boolean" value="true"/>"#);
+        for weight_given in ["0", "0.5"] {
+            let (text, _) = look(model, &[wall.clone(), number(weight, weight_given)]);
+            assert_has(&text, &["double_sided = true", "solid = false"]);
+            assert_eq!(text.matches("solid").count(), 1, "{text}");
+        }
+        let (text, _) = look(model, &[]);
+        assert!(!text.contains("solid"), "{text}");
+    }
 }
 
 #[test]
@@ -252,4 +274,28 @@ fn surfaces_materials_and_graphs_inherit() {
     let all = convert(&document, &files, &Wanted::default()).expect("a look");
     let names: Vec<&str> = all.materials.iter().map(|m| m.name.as_str()).collect();
     assert_eq!(names, ["M", "N"]);
+}
+
+#[test]
+fn surfaces_that_are_only_inherited_from_are_no_materials() {
+    let shader = |name: &str, base: &str| {
+        let inherit = match base {
+            "" => String::new(),
+            base => format!(r#"inherit="{base}""#),
+        };
+        format!(r#"<standard_surface name="{name}" type="surfaceshader" {inherit}/>"#)
+    };
+    let names = |shaders: &[String]| -> Vec<String> {
+        let shaders = shaders.concat();
+        let text = format!(r#"<materialx version="1.39">{shaders}</materialx>"#);
+        let files = Memory::default();
+        let document = Document::parse(&files, Path::new("a.mtlx"), &text).expect("a document");
+        let converted = convert(&document, &files, &Wanted::default()).expect("a look");
+        converted.materials.into_iter().map(|m| m.name).collect()
+    };
+    let chain = [shader("A", ""), shader("B", "A"), shader("C", "B")];
+    assert_eq!(names(&chain), ["C"]);
+    // What inherits in a circle isn't lost.
+    assert_eq!(names(&[shader("A", "A")]), ["A"]);
+    assert_eq!(names(&[shader("A", "B"), shader("B", "A")]), ["A", "B"]);
 }

@@ -123,8 +123,12 @@ impl GraphView {
         ui.ctx().request_repaint();
     }
 
-    /// Whether keys are for the graph: the keyboard is there, or nowhere, and the pointer is there.
+    /// Whether keys are for the graph: the keyboard is there, or nowhere, and the pointer is there. Not where a question lies over it.
     pub(super) fn has_keyboard(&self, ui: &Ui) -> bool {
+        let outer = ui.layer_id();
+        if !ui.memory(|memory| memory.allows_interaction(outer)) {
+            return false;
+        }
         let focused = ui.memory(|memory| memory.focused());
         let response = focused.and_then(|id| ui.ctx().read_response(id));
         let layer = response.map(|response| response.layer_id);

@@ -23,6 +23,9 @@ use super::{Edited, choice, draft};
 /// How names of pictures end that can be images.
 const ENDINGS: [&str; 4] = ["png", "jpg", "jpeg", "webp"];
 
+/// How names of files end that a slot takes when they are dropped on it: those that the window takes for pictures.
+const DROPPED: [&str; 6] = ["png", "jpg", "jpeg", "webp", "bmp", "tga"];
+
 /// Points of a thumbnail's longer side.
 const THUMBNAIL: u32 = 48;
 /// Pictures that are read at the same time.
@@ -184,8 +187,8 @@ pub(crate) fn image_slot(
             let thumbnail = match (file, file.strip_prefix(MODEL_IMAGE)) {
                 ("", _) => None,
                 (_, Some(name)) => {
-                    let number = model.iter().position(|image| image.name == name);
-                    number.map(|number| model[number].picture(ui.ctx(), number))
+                    let image = model.iter().find(|image| image.name == name);
+                    image.map(|image| image.picture(ui.ctx()))
                 }
                 _ => slots.thumbnail(ui.ctx(), &folder.join(file)).cloned(),
             };
@@ -330,13 +333,24 @@ fn with_key(fields: &[Field], key: &str, value: Value) -> Value {
     }
 }
 
+/// The first image among the files that are dropped there. The others are not for a slot: the window knows what to do with a scene or an
+/// environment.
 fn dropped_on(ui: &Ui, place: egui::Rect) -> Option<PathBuf> {
     if !ui.rect_contains_pointer(place) {
         return None;
     }
     ui.input(|input| {
-        let dropped = input.raw.dropped_files.first()?;
-        Some(dropped.path().to_owned())
+        let mut dropped = input.raw.dropped_files.iter().map(|file| file.path());
+        dropped.find(|path| is_image(path)).map(Path::to_owned)
+    })
+}
+
+/// Whether a file is an image, by its name.
+fn is_image(path: &Path) -> bool {
+    let ending = path.extension().and_then(|ending| ending.to_str());
+    ending.is_some_and(|ending| {
+        let mut known = DROPPED.iter();
+        known.any(|known| known.eq_ignore_ascii_case(ending))
     })
 }
 
@@ -356,5 +370,23 @@ mod tests {
         assert_eq!(fields.len(), 2);
         let again = with_key(&file, "color_space", text("by its texture"));
         assert_eq!(again, text("a.png"));
+    }
+
+    #[test]
+    fn a_slot_takes_images_alone() {
+        for name in ["a.png", "b.JPG", "c.d.webp", "e.tga"] {
+            assert!(is_image(Path::new(name)), "{name}");
+        }
+        for name in [
+            "a.hdr",
+            "a.exr",
+            "a.glb",
+            "a.look.toml",
+            "a.wgsl",
+            "png",
+            "",
+        ] {
+            assert!(!is_image(Path::new(name)), "{name}");
+        }
     }
 }

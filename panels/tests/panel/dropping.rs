@@ -1,4 +1,7 @@
-//! Materials, textures and images of the model that are dropped on the panel.
+//! Materials, textures, files and images of the model that are dropped on the panel.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use egui::accesskit::Role;
 use egui::{Pos2, vec2};
@@ -11,6 +14,19 @@ use glam::Vec3;
 use patina_panels::{Form, ModelImage};
 
 use crate::support::{LOOK, State, assert_kept, center, drag, harness, text};
+
+#[derive(Debug)]
+struct Dropped(PathBuf);
+
+impl egui::DroppedFile for Dropped {
+    fn path(&self) -> &Path {
+        &self.0
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, String> {
+        Err("nobody asks".to_owned())
+    }
+}
 
 /// Takes a texture out of the list of them, and lets it go elsewhere.
 fn drop_texture(
@@ -156,4 +172,36 @@ fn a_map_of_the_model_dropped_on_a_slot_is_read_there() {
     harness.run();
     drop_texture(&mut harness, "mask", |_| path);
     assert_eq!(text(&harness), before);
+}
+
+#[test]
+fn a_slot_takes_images_alone() {
+    let mut harness = harness(Form::List);
+    let slot = [
+        Edit::add_node("plank", "picture"),
+        Edit::material("Iron", "opacity", Value::Text("plank.x".to_owned())),
+    ];
+    let document = &mut harness.state_mut().document;
+    document.apply("slot", &slot, None).expect("it fits");
+    let before = document.text().to_owned();
+    harness.run();
+    let place = center(&harness, Role::TextInput, "image of plank");
+    let drop = |harness: &mut Harness<'_, State>, files: &[&str]| {
+        harness.hover_at(place);
+        harness.run();
+        let files = files.iter().map(|file| {
+            let file = Dropped(PathBuf::from(file));
+            Arc::new(file) as egui::DroppedFileHandle
+        });
+        harness.input_mut().dropped_files = files.collect();
+        harness.step();
+        harness.run();
+        let has_taken = harness.state_mut().panel.take_dropped();
+        (has_taken, text(harness))
+    };
+    // The window opens the one, and has the other around the scene.
+    let dropped = drop(&mut harness, &["scene.glb", "sky.hdr"]);
+    assert_eq!(dropped, (false, before));
+    let (has_taken, now) = drop(&mut harness, &["sky.hdr", "wood.png", "more.png"]);
+    assert!(has_taken && now.contains("image = \"wood.png\""), "{now}");
 }

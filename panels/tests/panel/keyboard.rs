@@ -1,12 +1,12 @@
 //! What the pointer does, by the keyboard.
 
 use egui::accesskit::Role;
-use egui::{Key, Modifiers};
+use egui::{Event, Key, Modifiers};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use patina_panels::Form;
 
-use crate::support::{LOOK, State, center, harness, text};
+use crate::support::{LOOK, State, center, drag, harness, text};
 
 fn focus(harness: &mut Harness<'_, State>, role: Role, label: &str) {
     harness.get_by_role_and_label(role, label).focus();
@@ -149,4 +149,56 @@ fn stops_of_a_ramp_are_edited_by_keys() {
     assert_eq!(focused(&harness), "ramp of paint colour");
     while harness.state_mut().document.undo() {}
     assert_eq!(text(&harness), LOOK);
+}
+
+/// What a key does that is held is one step, and what it does later is another one.
+#[test]
+fn keys_that_are_pressed_again_are_steps_of_their_own() {
+    let mut harness = harness(Form::List);
+    let done = |harness: &Harness<'_, State>| harness.state().document.done();
+    focus(&mut harness, Role::Slider, "amount of rust");
+    press(&mut harness, Modifiers::NONE, Key::ArrowRight);
+    let once = text(&harness);
+    assert_ne!(once, LOOK);
+    press(&mut harness, Modifiers::NONE, Key::ArrowRight);
+    assert_ne!(text(&harness), once);
+    assert_eq!(done(&harness), 2);
+    let key = |pressed, repeat| Event::Key {
+        key: Key::ArrowRight,
+        physical_key: None,
+        pressed,
+        repeat,
+        modifiers: Modifiers::NONE,
+    };
+    let mut texts = vec![text(&harness)];
+    for event in [key(true, false), key(true, true), key(true, true)] {
+        harness.event(event);
+        harness.run();
+        texts.push(text(&harness));
+    }
+    harness.event(key(false, false));
+    harness.run();
+    assert!(texts.windows(2).all(|pair| pair[0] != pair[1]), "{texts:?}");
+    assert_eq!(done(&harness), 3);
+    harness.state_mut().document.undo();
+    assert_eq!(text(&harness), texts[0]);
+    harness.state_mut().document.undo();
+    assert_eq!(text(&harness), once);
+}
+
+/// What lies below a question hears no keys.
+#[test]
+fn keys_below_a_question_are_not_for_the_graph() {
+    let mut harness = harness(Form::Graph);
+    let card = center(&harness, Role::Button, "node paint");
+    drag(&mut harness, card, egui::Vec2::ZERO);
+    harness.hover_at(card);
+    harness.run();
+    for modal in [true, false] {
+        harness.state_mut().has_question = modal;
+        harness.run();
+        harness.run();
+        press(&mut harness, Modifiers::NONE, Key::Delete);
+        assert_eq!(text(&harness).contains("[node.paint]"), modal);
+    }
 }

@@ -34,6 +34,8 @@ pub(crate) struct State {
     pub(crate) lights: Vec<PunctualLight>,
     /// Has the textures that the panel shows.
     pub(crate) painter: Painter,
+    /// Something is asked over the panel.
+    pub(crate) has_question: bool,
 }
 
 pub(crate) fn harness(form: Form) -> Harness<'static, State> {
@@ -84,6 +86,7 @@ pub(crate) fn harness_of(
         images: Vec::new(),
         lights: vec![sun()],
         painter: Painter::default(),
+        has_question: false,
     };
     let mut harness = Harness::builder()
         .with_size(vec2(700.0, 1600.0))
@@ -100,6 +103,10 @@ pub(crate) fn harness_of(
                 state
                     .panel
                     .show(ui, &mut state.document, &state.textures, scene);
+                if state.has_question {
+                    let question = egui::Modal::new(egui::Id::unique("question"));
+                    question.show(ui.ctx(), |ui| ui.label("Really?"));
+                }
             },
             state,
         );

@@ -3,12 +3,13 @@
 //! Sizes are checked before a texel is allocated: headers may claim anything.
 
 use super::error::Fault;
+use super::pictures::PNG_ASIDE;
 use crate::FloatImage;
 use ::exr::meta::header::Header;
 use exr::prelude as exr;
 use exr::{ReadChannels as _, ReadLayers as _, ReadSpecificChannel as _};
 use image::codecs::hdr::HdrDecoder;
-use image::{DynamicImage, ImageDecoder, ImageReader, Limits};
+use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 use std::collections::BTreeMap;
 use std::io::{Cursor, Read as _};
 
@@ -44,6 +45,9 @@ pub(super) fn decode(bytes: Vec<u8>) -> Result<(FloatImage, Vec<String>), Fault>
         let mut limits = Limits::no_limits();
         limits.max_image_width = Some(MAX_SIDE as u32);
         limits.max_image_height = Some(MAX_SIDE as u32);
+        if reader.format() == Some(ImageFormat::Png) {
+            limits.max_alloc = Some(PNG_ASIDE);
+        }
         reader.limits(limits);
         let decoder = reader.into_decoder().map_err(|error| error.to_string())?;
         let (width, height) = decoder.dimensions();

@@ -16,6 +16,9 @@ use std::path::Path;
 const MAX_SIDE: u32 = 16384;
 /// Bytes that all pictures of a scene may take decoded (4 GiB).
 const MAX_DECODED: u64 = 4 << 30;
+/// Bytes that a PNG file may take beside its pixels while it is read, such as for a colour profile; larger profiles are left out. Packed,
+/// they have a thousandth of their size.
+pub(super) const PNG_ASIDE: u64 = 64 << 20;
 /// Largest picture file (1 GiB).
 pub(super) const MAX_FILE: u64 = 1 << 30;
 
@@ -250,7 +253,10 @@ fn decode(bytes: &[u8], budget: &Budget) -> Result<DynamicImage, Refusal> {
     let mut limits = Limits::no_limits();
     limits.max_image_width = Some(MAX_SIDE);
     limits.max_image_height = Some(MAX_SIDE);
-    limits.max_alloc = Some(MAX_DECODED);
+    limits.max_alloc = Some(match format {
+        ImageFormat::Png => PNG_ASIDE,
+        _ => MAX_DECODED,
+    });
     let mut reader = ImageReader::with_format(Cursor::new(bytes), format);
     reader.limits(limits);
     let decoder = reader.into_decoder()?;

@@ -114,7 +114,13 @@ pub(super) fn of_vector_and_number(
         return None;
     }
     let mut number = short(text, number.clone()).unwrap_or("...").to_owned();
-    if !scalar.starts_with('{') && !scalar.starts_with(&component) {
+    // Numbers without a type become what the vector holds, but no fraction becomes an integer.
+    let becomes = match scalar {
+        "{AbstractInt}" => true,
+        "{AbstractFloat}" => component == "f",
+        _ => scalar.starts_with(&component),
+    };
+    if !becomes {
         number = format!("{component}32({number})");
     }
     Some((
@@ -227,6 +233,29 @@ fn quoted(ty: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_vector_that_a_number_is_to_be_can_be_made_of_it() {
+        let text = "max(a, 1.5)";
+        let message = "inconsistent type passed as argument #2 to `max`";
+        for (vector, scalar, remedy) in [
+            ("vec3<i32>", "{AbstractFloat}", "vec3i(i32(1.5))"),
+            ("vec2<u32>", "{AbstractFloat}", "vec2u(u32(1.5))"),
+            ("vec3<f32>", "{AbstractFloat}", "vec3f(1.5)"),
+            ("vec3<i32>", "{AbstractInt}", "vec3i(1.5)"),
+            ("vec3<{AbstractInt}>", "{AbstractFloat}", "vec3f(1.5)"),
+            ("vec3<u32>", "i32", "vec3u(u32(1.5))"),
+            ("vec3<f32>", "f32", "vec3f(1.5)"),
+        ] {
+            let first = format!("this argument has type {vector}, which constrains others");
+            let second = format!("argument #2 has type {scalar}");
+            let labels = [(0..11, String::new()), (7..10, second), (4..5, first)];
+            let told = of_vector_and_number(message, &labels, text);
+            let told = told.map(|(_, remedy)| remedy);
+            let wanted = format!("write `{remedy}` for the number");
+            assert_eq!(told, Some(wanted), "{vector} {scalar}");
+        }
+    }
 
     #[test]
     fn types_are_spoken_of_without_nagas_structures() {

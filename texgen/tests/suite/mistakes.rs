@@ -606,3 +606,98 @@ fn names_that_are_no_values_or_stand_twice_get_the_right_remedy() {
         assert!(!report.contains("instead of `let`"), "{report}");
     }
 }
+
+#[test]
+fn only_variables_that_are_known_at_a_place_are_proposed_there() {
+    let report = |body: &str| errors(&format!("fn userProc(x: f32) -> f32 {{ {body} }}"));
+    for body in [
+        "let brightness = brightnes + x; return brightness;",
+        "if x > 0.0 { let brightness = x; } return brightnes;",
+        "for (var brightness = 0; brightness < 3; brightness++) { } return f32(brightnes);",
+    ] {
+        let report = report(body);
+        assert!(report.contains("`brightnes`"), "{report}");
+        assert!(!report.contains("did you mean"), "{report}");
+    }
+    for body in [
+        "let brightness = x; return brightnes;",
+        "for (var brightness = x; brightness < brightnes; ) { } return x;",
+        "var brightness = x; { let other = x; brightness += brightnes; } return x;",
+    ] {
+        let report = report(body);
+        assert!(report.contains("did you mean `brightness`?"), "{report}");
+    }
+    for body in [
+        "let brightness = brightness + x; return brightness;",
+        "if x > 0.0 { let brightness = x; } return brightness;",
+    ] {
+        let report = report(body);
+        assert!(
+            report.contains("a variable is known from behind"),
+            "{report}"
+        );
+    }
+}
+
+#[test]
+fn what_is_nested_deeper_than_software_drivers_follow_is_warned_of() {
+    let rows = |count: usize, row: &str| -> String {
+        (0..count)
+            .map(|i| row.replace("$", &i.to_string()))
+            .collect()
+    };
+    let texture =
+        |body: String| format!("fn userProc(x: i32) -> f32 {{ var v = 0.0;\n{body}\nreturn v; }}");
+    let cases = |row: &str| format!("switch x {{ {} default: {{ }} }}", rows(90, row));
+    let leave = "if x == $ { return $.5; }\n";
+    for deep in [
+        texture(rows(90, leave)),
+        texture(cases("case $: { return $.5; }")),
+        texture(format!(
+            "{} {{ }}",
+            rows(90, "if x == $ { v = $.5; } else ")
+        )),
+        texture(format!(
+            "loop {{ {} v += 1.0; }}",
+            rows(90, "if v > $.5 { break; }\n")
+        )),
+        texture(format!(
+            "for (var i = 0; i < x; i++) {{ {} }}",
+            rows(90, "if i == $ { continue; }\n")
+        )),
+        format!(
+            "fn h(x: i32) -> f32 {{ {} return 0.0; }}\n{}",
+            rows(40, leave),
+            texture(format!("{} v = h(x);", rows(40, leave)))
+        ),
+    ] {
+        let report = warnings(&deep);
+        assert!(
+            report.starts_with("warning: `userProc` is nested "),
+            "{report}"
+        );
+        assert!(report.contains("llvmpipe"), "{report}");
+        assert_eq!(report.matches("warning:").count(), 1, "{report}");
+    }
+    for flat in [
+        texture(rows(40, leave)),
+        texture(rows(200, "if x == $ { v = $.5; }\n")),
+        texture(cases("case $: { v = $.5; }")),
+        texture(cases("case $: { v = $.5; break; }")),
+        texture(rows(
+            90,
+            "for (var i = 0; i < 3; i++) { if i == x { break; } }\n",
+        )),
+    ] {
+        assert_eq!(warnings(&flat), "");
+    }
+    // It is told where it is, once.
+    let helper = format!(
+        "fn h(x: i32) -> f32 {{ {} return 0.0; }}\nfn userProc(x: i32) -> f32 {{ return h(x); }}",
+        rows(90, leave)
+    );
+    let report = warnings(&helper);
+    assert!(report.contains("`h` is nested 90 deep"), "{report}");
+    assert!(report.contains("t.wgsl:1:4"), "{report}");
+    assert_eq!(report.matches("warning:").count(), 1, "{report}");
+}

@@ -1,11 +1,11 @@
 //! What each command does.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use engine::load::StandIn;
 use engine::procedural::TextureSources;
-use engine::scene::{Moment, Motion};
+use engine::scene::{Instance, Moment, Motion, Scene};
 use engine::session::{Session, SessionError};
 
 use crate::link::{Command, Extent, Hit, PickPurpose, Reply};
@@ -24,9 +24,17 @@ fn is_of_files(command: &Command) -> bool {
             | Command::Outline(_)
             | Command::KeepBefore(_)
             | Command::MixLights(_)
-            | Command::Save(_)
+            | Command::Save(..)
             | Command::SavePicture(_)
     )
+}
+
+/// Where an instance is that had this place and name when it was picked.
+fn place_of(scene: &Scene, (place, name): &(usize, String)) -> Option<usize> {
+    let is_it = |instance: &Instance| instance.name == *name;
+    let is_there = scene.instances.get(*place).is_some_and(is_it);
+    let place = is_there.then_some(*place);
+    place.or_else(|| scene.instances.iter().position(is_it))
 }
 
 impl Render {
@@ -89,10 +97,6 @@ impl Render {
                     .session
                     .as_ref()
                     .and_then(|session| session.pick(place));
-                if purpose == PickPurpose::Material {
-                    self.picked = seen.map(|hit| hit.instance as usize);
-                    self.outlined = seen.map(|hit| hit.material);
-                }
                 let hit = seen.zip(self.session.as_ref()).and_then(|(hit, session)| {
                     let material = session.scene().materials.get(hit.material as usize)?;
                     Some(Hit {
@@ -102,6 +106,14 @@ impl Render {
                         normal: hit.normal,
                     })
                 });
+                if purpose == PickPurpose::Material {
+                    self.picked = seen.zip(self.session.as_ref()).and_then(|(hit, session)| {
+                        let place = hit.instance as usize;
+                        let instance = session.scene().instances.get(place)?;
+                        Some((place, instance.name.clone()))
+                    });
+                    self.outlined = hit.as_ref().map(|hit| hit.material.clone());
+                }
                 self.reply(Reply::Picked { purpose, hit });
                 if purpose == PickPurpose::Material {
                     self.show_again();
@@ -114,10 +126,7 @@ impl Render {
                 }
             }
             Command::Outline(name) => {
-                let scene = self.session.as_ref().map(Session::scene);
-                let mut materials = scene.iter().flat_map(|scene| &scene.materials);
-                let place = materials.position(|material| material.name == name);
-                self.outlined = place.map(|place| place as u32);
+                self.outlined = Some(name);
                 self.show_again();
             }
             Command::Ground(from) => {
@@ -133,10 +142,10 @@ impl Render {
                 self.show_again();
             }
             Command::Bounds(extent) => {
-                let picked = self.picked.filter(|_| extent == Extent::Picked);
+                let picked = (self.picked.as_ref()).filter(|_| extent == Extent::Picked);
                 let scene = self.session.as_ref().map(Session::scene);
                 let bounds = scene.and_then(|scene| {
-                    let own = picked.and_then(|instance| scene.bounds_of(instance));
+                    let own = picked.and_then(|picked| scene.bounds_of(place_of(scene, picked)?));
                     own.or_else(|| scene.bounds())
                 });
                 if let Some((low, high)) = bounds {
@@ -175,7 +184,7 @@ impl Render {
                 self.options.target_spp = target.max(1);
                 self.run.is_done = false;
             }
-            Command::Save(path) => self.save(path),
+            Command::Save(path, outside) => self.save(path, outside),
             Command::SavePicture(order) => self.save_picture(order),
             Command::CancelPicture => self.cancel_picture(),
             Command::Open(files) => self.open(files),
@@ -207,8 +216,11 @@ impl Render {
         ))
     }
 
-    fn save(&mut self, path: Option<PathBuf>) {
+    fn save(&mut self, path: Option<PathBuf>, outside: u64) {
         self.apply_all();
+        if let Err(why) = self.may_save(path.as_deref(), outside) {
+            return self.reply(Reply::NotWritten(why));
+        }
         let Some(session) = &mut self.session else {
             return;
         };
@@ -237,6 +249,39 @@ impl Render {
             Err(error) => self.reply(Reply::NotWritten(publish::message(&error))),
         }
         self.publish_status(true);
+    }
+
+    /// Whether saving the look takes nothing away that it isn't meant to.
+    fn may_save(&self, path: Option<&Path>, outside: u64) -> Result<(), String> {
+        const NOTHING: &str = "there is no look to save: open a scene first; after a failure the edits are in the file that was named";
+        let session = self.session.as_ref().ok_or(NOTHING)?;
+        let own = session.inputs().look.as_deref();
+        let Some(path) = path else {
+            let own = own.unwrap_or(Path::new("")).display();
+            let is_known = outside == self.outside;
+            return is_known.then_some(()).ok_or_else(|| {
+                format!("another program has just changed {own}: see what has become of both, then save once more")
+            });
+        };
+        // However they are named. What isn't there yet is nothing of them.
+        let found = |path: &Path| path.canonicalize().ok();
+        let own = own.and_then(found);
+        let Some(wanted) = found(path).filter(|path| own.as_ref() != Some(path)) else {
+            return Ok(());
+        };
+        let textures = &session.inputs().textures;
+        let is_texture = wanted.extension().is_some_and(|ending| ending == "wgsl")
+            && textures
+                .iter()
+                .any(|folder| found(folder).as_deref() == wanted.parent());
+        let mut files = session.files().into_iter();
+        match is_texture || files.any(|file| found(&file).as_ref() == Some(&wanted)) {
+            true => Err(format!(
+                "{} is part of what is shown: name another file",
+                path.display()
+            )),
+            false => Ok(()),
+        }
     }
 
     /// Makes edits that wait: they are part of what is saved.

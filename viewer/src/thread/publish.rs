@@ -108,7 +108,12 @@ impl Render {
         };
         // Guides take as long as a sample, which a picture in motion has not; and a line of large pixels hides what it is around.
         let is_fine = !self.is_moving && self.divisor <= FINE;
-        let outlined = self.outlined.filter(|_| is_fine);
+        let outlined = self.outlined.as_ref().filter(|_| is_fine);
+        let outlined = outlined.and_then(|name| {
+            let mut materials = session.scene().materials.iter();
+            materials.position(|material| material.name == *name)
+        });
+        let outlined = outlined.map(|place| place as u32);
         let guides = self.settings.channel.needs_guides();
         let film = session.device_film(guides || outlined.is_some())?;
         let spp = self.run.samples_done as f64 / (f64::from(film.width) * f64::from(film.height));

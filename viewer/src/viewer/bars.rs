@@ -189,7 +189,9 @@ impl Viewer {
         if had_region {
             self.link.send(Command::Region(None));
         }
-        self.viewport.chooses_region = !had_region && !self.viewport.chooses_region;
+        let chooses = !had_region && !self.viewport.chooses_region;
+        self.stop_choosing_region();
+        self.viewport.chooses_region = chooses;
     }
 
     pub(super) fn toggle_compare(&mut self) {

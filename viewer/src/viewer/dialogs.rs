@@ -183,7 +183,8 @@ impl Dialog {
     fn command(&self) -> Command {
         let path = PathBuf::from(self.path.trim());
         match self.what {
-            What::Look => Command::Save(Some(path)),
+            // How much of others the look has, `save_to` knows.
+            What::Look => Command::Save(Some(path), 0),
             What::Picture => Command::SavePicture(PictureOrder {
                 path,
                 size: self.picture.size,
@@ -359,12 +360,11 @@ impl Viewer {
         if is_done {
             match dialog.command() {
                 Command::Open(files) => self.open(files),
-                command => {
-                    if let Command::Save(path) = &command {
-                        self.saved_as.clone_from(path);
-                    }
-                    self.link.send(command);
+                Command::Save(path, _) => {
+                    self.saved_as.clone_from(&path);
+                    self.save_to(path);
                 }
+                command => self.link.send(command),
             }
         } else if is_cancelled || shown.should_close() {
             self.stay();

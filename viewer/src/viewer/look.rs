@@ -100,6 +100,11 @@ impl Editor {
         None
     }
 
+    /// How often the file's text came from another program, as far as the document knows it.
+    pub(super) fn outside(&self) -> u64 {
+        self.outside
+    }
+
     fn take_saved(&mut self, facts: &LookFacts) {
         self.saved = Arc::clone(&facts.saved);
         self.outside = facts.outside;

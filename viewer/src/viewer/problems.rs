@@ -137,6 +137,8 @@ impl Viewer {
             .fixed_pos(corner)
             .pivot(Align2::LEFT_BOTTOM)
             .show(ui.ctx(), |ui| {
+                // An area is as wide as what it had last, where nothing says otherwise.
+                ui.set_max_width((picture.width() - 24.0).max(100.0));
                 for message in &self.messages {
                     Frame::popup(ui.style()).show(ui, |ui| {
                         let text = RichText::new(&message.text);

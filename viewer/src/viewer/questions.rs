@@ -1,6 +1,8 @@
 //! What is asked before edits would be lost: by closing the window, by opening something else, by saving over what another program
 //! has written, and where both have changed the same.
 
+use std::path::PathBuf;
+
 use egui::{Id, Modal, ScrollArea, Ui, ViewportCommand};
 use engine::session::Merged;
 
@@ -82,9 +84,18 @@ impl Viewer {
         let leaves_out = (self.document_mut()).is_some_and(|document| document.leaves_out_others());
         match &self.scene.files.look {
             Some(_) if leaves_out => self.questions.overwrites = true,
-            Some(_) => self.link.send(Command::Save(None)),
+            Some(_) => self.save_to(None),
             None => self.dialog = Some(Dialog::save_as(&self.scene.files)),
         }
+    }
+
+    /// Saves the look to its file, or to another one. What is edited from then on is another step, also in the midst of a drag.
+    pub(super) fn save_to(&mut self, path: Option<PathBuf>) {
+        if let Some(document) = self.document_mut() {
+            document.end_group();
+        }
+        let outside = self.editor.outside();
+        self.link.send(Command::Save(path, outside));
     }
 
     /// Both sides have changed the same: that is asked about.
@@ -204,7 +215,7 @@ impl Viewer {
                     if let Some(document) = self.document_mut() {
                         document.leave_out_others();
                     }
-                    self.link.send(Command::Save(None));
+                    self.save_to(None);
                 }
                 if ui.button("Save as ...").clicked() {
                     is_answered = true;

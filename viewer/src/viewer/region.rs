@@ -85,6 +85,14 @@ impl Viewer {
         }
     }
 
+    /// No region is to be chosen any more. One that was being drawn is none: the render doesn't know of it.
+    pub(super) fn stop_choosing_region(&mut self) {
+        self.viewport.chooses_region = false;
+        if self.viewport.region_start.take().is_some() {
+            self.viewport.region = None;
+        }
+    }
+
     pub(super) fn choose_region(&mut self, ui: &Ui, rect: Rect, response: &egui::Response) {
         ui.ctx().set_cursor_icon(egui::CursorIcon::Crosshair);
         // By Enter it is in the middle, and its borders are moved from there.

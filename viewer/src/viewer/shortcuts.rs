@@ -150,7 +150,7 @@ impl Viewer {
         }
         if escape {
             self.lists_shortcuts = false;
-            self.viewport.chooses_region = false;
+            self.stop_choosing_region();
             if self.viewport.placing.take().is_some() {
                 return;
             }

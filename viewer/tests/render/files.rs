@@ -188,13 +188,152 @@ fn mistakes_in_files_are_shown_until_they_are_mended() {
 
     // Saving under another name leaves the first file alone.
     stage.edit(Edit::material("Brass", "metallic", Value::number(0.0)));
-    stage
-        .thread
-        .link
-        .send(Command::Save(Some(stage.path("other.look.toml"))));
+    let other = stage.path("other.look.toml");
+    stage.thread.link.send(Command::Save(Some(other), 0));
     stage.wait("other look", |stage| {
         stage.read("other.look.toml").contains("metallic")
     });
     assert_eq!(stage.read("scene.look.toml"), LOOK);
+    stage.thread.finish();
+}
+
+/// A look isn't saved over what is shown with it, over what another program has just written, nor without a word where there is none.
+#[test]
+fn looks_that_can_not_be_saved_are_told() {
+    let texture = "fn userProc() -> f32 { return 0.5; }\n";
+    let Some(mut stage) = Stage::new() else {
+        return;
+    };
+    stage.edit(Edit::material("Brass", "roughness", Value::number(0.25)));
+    fs::write(stage.path("half.wgsl"), texture).expect("written");
+    // Named in another way, they are the same.
+    let folder = stage.folder.path().join(".");
+    for name in ["scene.gltf", "triangle.bin", "half.wgsl"] {
+        let before = fs::read(stage.path(name)).expect("there");
+        let save = Command::Save(Some(folder.join(name)), 0);
+        stage.thread.link.send(save);
+        let told = format!("{name} is part of what is shown: name another file");
+        stage.wait("message", |stage| {
+            let told = stage.harness.query_all_by_label_contains(&told);
+            told.count() > 0
+        });
+        assert_eq!(fs::read(stage.path(name)).expect("there"), before, "{name}");
+    }
+    // The window hasn't heard of what the render knows.
+    stage.thread.link.send(Command::Save(None, 7));
+    stage.wait("message", |stage| {
+        let told = stage
+            .harness
+            .query_all_by_label_contains("another program has just changed");
+        told.count() > 0
+    });
+    assert_eq!(stage.read("scene.look.toml"), LOOK);
+    // Its own file can be named.
+    let own = folder.join("scene.look.toml");
+    stage.thread.link.send(Command::Save(Some(own), 0));
+    let mine = LOOK.replace("0.5 ", "0.25 ");
+    stage.wait("saved look", |stage| stage.read("scene.look.toml") == mine);
+    stage.thread.finish();
+
+    let Some(mut stage) = Stage::beginning("rouhgness = 1\n") else {
+        return;
+    };
+    let other = stage.path("other.look.toml");
+    stage.thread.link.send(Command::Save(Some(other), 0));
+    stage.wait("message", |stage| {
+        let told = stage
+            .harness
+            .query_all_by_label_contains("there is no look to save");
+        told.count() > 0
+    });
+    assert!(!stage.path("other.look.toml").exists());
+    stage.thread.finish();
+}
+
+/// What was picked stays picked where the scene's file changes, whatever comes before it there.
+#[test]
+fn what_was_picked_is_found_again_in_another_file() {
+    let Some(mut stage) = Stage::new() else {
+        return;
+    };
+    stage.harness.get_by_label("Viewport").click();
+    stage.wait("material", |stage| {
+        stage.harness.state().material() == Some("Brass")
+    });
+    // What the render says, which the window would take.
+    let answer = |stage: &Stage, extent: Extent| {
+        stage.thread.link.send(Command::Bounds(extent));
+        let end = Instant::now() + Duration::from_secs(60);
+        loop {
+            let replies = std::mem::take(&mut stage.thread.link.board().replies);
+            let bounds = replies.into_iter().find_map(|reply| match reply {
+                Reply::Bounds(bounds) => Some(bounds),
+                _ => None,
+            });
+            if let Some(bounds) = bounds {
+                return bounds;
+            }
+            assert!(Instant::now() < end, "no answer");
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    };
+    let picked = answer(&stage, Extent::Picked);
+    assert_eq!(picked.map(|corner| corner.z), [0.0, 0.0]);
+    // Another object of another material comes first, behind the camera.
+    let mut scene = SCENE.to_owned();
+    for (part, other) in [
+        (r#""nodes": [0, 1]"#, r#""nodes": [2, 0, 1]"#),
+        (
+            r#""translation": [0, 0, 3] }]"#,
+            r#""translation": [0, 0, 3] }, { "name": "Far", "mesh": 1, "translation": [0, 0, 9] }]"#,
+        ),
+        (
+            r#"[{ "name": "Brass" }]"#,
+            r#"[{ "name": "Other" }, { "name": "Brass" }]"#,
+        ),
+        (
+            r#""material": 0 }] }]"#,
+            r#""material": 1 }] }, { "primitives": [{ "attributes": { "POSITION": 0 }, "material": 0 }] }]"#,
+        ),
+    ] {
+        assert!(scene.contains(part), "{part}");
+        scene = scene.replace(part, other);
+    }
+    fs::write(stage.path("scene.gltf"), scene).expect("written");
+    let assets = Changes {
+        assets: true,
+        ..Changes::default()
+    };
+    stage.changes.send(assets).expect("heard");
+    let end = Instant::now() + Duration::from_secs(60);
+    let is_whole = |stage: &Stage| {
+        let status = &stage.thread.link.board().status;
+        status.is_whole && status.spp >= 4.0
+    };
+    let mut steady = 0;
+    while steady < 50 {
+        let is_followed = answer(&stage, Extent::Scene)[1].z > 5.0;
+        steady = match is_followed && is_whole(&stage) {
+            true => steady + 1,
+            false => 0,
+        };
+        assert!(Instant::now() < end, "the file is not followed");
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    assert_eq!(answer(&stage, Extent::Picked), picked);
+
+    // So is the line around its material. Where pictures are pixels, that is seen.
+    let shown_after = |command: Command| {
+        stage.thread.link.send(command);
+        answer(&stage, Extent::Scene);
+        let shown = stage.thread.link.board().shown.clone();
+        match shown.map(|shown| shown.pictures) {
+            Some([Some(Picture::Pixels(pixels)), _, _]) => Some(pixels.rgba.clone()),
+            _ => None,
+        }
+    };
+    let with_line = shown_after(Command::Denoise(Denoise::Never));
+    let without = shown_after(Command::Unpick);
+    assert!(with_line.is_none() || with_line != without);
     stage.thread.finish();
 }

@@ -15,12 +15,12 @@ use super::Stage;
 fn saving_has_keys_and_asks_for_a_file_where_there_is_none() {
     let mut stage = Stage::new();
     stage.press(Modifiers::COMMAND, Key::S);
-    assert!(matches!(stage.sent()[..], [Command::Save(None)]));
+    assert!(matches!(stage.sent()[..], [Command::Save(None, _)]));
     stage.press(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::S);
     assert!(stage.harness.query_by_label("Save the look as").is_some());
     stage.press(Modifiers::NONE, Key::Enter);
     let sent = stage.sent();
-    let [Command::Save(Some(path))] = &sent[..] else {
+    let [Command::Save(Some(path), _)] = &sent[..] else {
         panic!("{sent:?}");
     };
     assert_eq!(path, &PathBuf::from("scenes/lamp.look.toml"));
@@ -58,7 +58,7 @@ fn edits_are_not_lost_by_opening_something_else() {
             "Stay" => assert!(sent.is_empty()),
             // It is opened once that has been done, which the render says, or fails to do.
             "Save and open" => {
-                assert!(matches!(sent[..], [Command::Save(None)]), "{sent:?}");
+                assert!(matches!(sent[..], [Command::Save(None, _)]), "{sent:?}");
                 stage.reply(Reply::NotWritten("no room".to_owned()));
                 assert!(stage.sent().is_empty());
             }
@@ -78,7 +78,7 @@ fn edits_are_not_lost_by_opening_something_else() {
     stage.harness.run_steps(3);
     let sent = stage.sent();
     assert!(
-        matches!(sent[..], [Command::Save(None), Command::Open(_)]),
+        matches!(sent[..], [Command::Save(None, _), Command::Open(_)]),
         "{sent:?}"
     );
 }
@@ -98,7 +98,7 @@ fn questions_about_edits_wait_for_their_own_answers() {
     let sent = stage.sent();
     assert!(sent.is_empty(), "nothing is undone below it: {sent:?}");
     stage.click("Save and open");
-    assert!(matches!(stage.sent()[..], [Command::Save(None)]));
+    assert!(matches!(stage.sent()[..], [Command::Save(None, _)]));
     stage.reply(Reply::Failed("some samples were no numbers".to_owned()));
     let text = stage.harness.state_mut().document_mut();
     let text: Arc<str> = text.expect("there is a look").text().into();
@@ -180,7 +180,7 @@ fn what_was_done_counts_for_the_file_that_the_look_is_saved_as() {
         stage.press(Modifiers::NONE, Key::Enter);
         let sent = stage.sent();
         let path = sent.into_iter().find_map(|command| match command {
-            Command::Save(path) => path,
+            Command::Save(path, _) => path,
             _ => None,
         });
         path.expect("it is saved")
@@ -468,6 +468,6 @@ fn what_another_program_has_saved_can_be_taken_in_any_case() {
         // It has been decided, and is saved without another question.
         stage.sent();
         stage.press(Modifiers::COMMAND, Key::S);
-        assert!(matches!(stage.sent()[..], [Command::Save(None)]));
+        assert!(matches!(stage.sent()[..], [Command::Save(None, 2)]));
     }
 }

@@ -41,6 +41,25 @@ fn problems_are_shown_with_their_place_until_they_are_mended() {
     );
 }
 
+/// A message is as wide as it needs, whatever was told before it.
+#[test]
+fn messages_have_the_width_of_the_picture() {
+    let mut stage = Stage::new();
+    stage.reply(Reply::Done("saved".to_owned()));
+    let short = stage.harness.get_by_label("saved").rect();
+    let text = "a message that is much longer than the one before it, but not as long as the picture is wide";
+    stage.reply(Reply::Failed(text.to_owned()));
+    stage.harness.run_steps(2);
+    let long = stage.harness.get_by_label(text).rect();
+    assert_eq!(long.height(), short.height(), "it is one line: {long}");
+    let picture = stage.harness.get_by_label("Viewport").rect();
+    let long = text.repeat(6);
+    stage.reply(Reply::Failed(long.clone()));
+    stage.harness.run_steps(2);
+    let long = stage.harness.get_by_label(&long).rect();
+    assert!(picture.contains_rect(long), "{long} {picture}");
+}
+
 #[test]
 fn all_lines_of_a_problem_are_seen() {
     let mut stage = Stage::new();

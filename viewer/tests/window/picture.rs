@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use egui::PointerButton;
 use egui::accesskit::Role;
+use egui::{Event, Key, Modifiers, PointerButton};
 use egui_kittest::kittest::{NodeT, Queryable};
 use engine::scene::look::Value;
 use engine::scene::view::ViewTransform;
@@ -193,6 +193,43 @@ fn regions_are_dragged_and_given_up() {
         stage.sent()[..],
         [Command::KeepBefore(true), Command::KeepBefore(false)]
     ));
+}
+
+/// What was being drawn is no region.
+#[test]
+fn a_region_that_is_being_drawn_is_given_up() {
+    let mut stage = Stage::new();
+    let start = stage.center();
+    let end = start + egui::vec2(90.0, 60.0);
+    for gives_up in ["Esc", "r"] {
+        stage.type_text("r");
+        let button = |pos, pressed| Event::PointerButton {
+            pos,
+            button: PointerButton::Primary,
+            pressed,
+            modifiers: Modifiers::NONE,
+        };
+        stage.harness.event(Event::PointerMoved(start));
+        stage.harness.event(button(start, true));
+        stage.harness.event(Event::PointerMoved(end));
+        stage.harness.run_steps(2);
+        match gives_up {
+            "Esc" => stage.press(Modifiers::NONE, Key::Escape),
+            key => stage.type_text(key),
+        }
+        stage.harness.event(button(end, false));
+        stage.harness.run_steps(2);
+        stage.sent();
+        // There is none to be taken away, and another one can be drawn.
+        stage.type_text("r");
+        let is_region = |command: &Command| matches!(command, Command::Region(_));
+        assert!(!stage.sent().iter().any(is_region), "{gives_up}");
+        stage.drag(start, end, PointerButton::Primary);
+        let sent = stage.sent();
+        let is_drawn = |command: &Command| matches!(command, Command::Region(Some(_)));
+        assert!(sent.iter().any(is_drawn), "{gives_up}: {sent:?}");
+        stage.type_text("r");
+    }
 }
 
 #[test]

@@ -67,6 +67,7 @@ fn glass(cosine: f32, roughness: f32, eta: f32) -> f32 {
     let wo = Vec3::new((1.0 - cosine * cosine).max(0.0).sqrt(), 0.0, cosine);
     let root = |v: Vec3| (1.0 + alpha * alpha * (v.x * v.x + v.y * v.y) / (v.z * v.z)).sqrt();
     let f0 = ((eta - 1.0) / (eta + 1.0)).powi(2);
+    let alike = (7.07 * (eta - 1.0).abs() / (eta + 1.0)).min(1.0);
     let sum: f32 = (0..POINTS)
         .map(|i| {
             let h = visible_normal(wo, alpha, point(i));
@@ -75,7 +76,7 @@ fn glass(cosine: f32, roughness: f32, eta: f32) -> f32 {
             let inside = refracted2.max(0.0).sqrt();
             let outside = if eta < 1.0 { inside } else { o };
             let reflected = match refracted2 > 0.0 {
-                true => f0 + (1.0 - f0) * (1.0 - outside).clamp(0.0, 1.0).powi(5),
+                true => f0 + (1.0 - f0) * alike * (1.0 - outside).clamp(0.0, 1.0).powi(5),
                 false => 1.0,
             };
             // G2 / G1: the weight of a direction that comes of a visible normal.

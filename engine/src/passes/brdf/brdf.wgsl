@@ -38,7 +38,8 @@ fn shade_vertex(slot: u32) {
     let texels = material_textures(v.material, wanted, v.surface.triangle, v.surface.weights);
     let base_color = base_color_at(slot, v.driven, v.material, v.surface, texels[TEXTURE_BASE_COLOR]);
     if (is_unlit) {
-        let found = limited(p.throughput * base_color, f32(p.depth));
+        // A texture may give less than nothing, which isn't light.
+        let found = limited(p.throughput * max(base_color, vec3f(0.0)), f32(p.depth));
         leave_unsent(p, v, found);
         if (splits_light) {
             note_found(p, PATH_FOUND, found, true, light_group(materials[v.own_material].flags));

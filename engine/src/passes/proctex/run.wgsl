@@ -20,7 +20,7 @@ fn bump_frame(s: Surface, instance: u32, coin: u32) -> BumpFrame {
     let edge1 = transform_vector(world_from_object, vertex_position(s.triangle.y) - a);
     let edge2 = transform_vector(world_from_object, vertex_position(s.triangle.z) - a);
     let along = edge1 / max(length(edge1), 1e-30);
-    // Half a pixel, but so far that what positions are rounded by is less than a hundredth of their difference.
+    // Half a pixel, but so far that what positions in the world are rounded by is less than a hundredth of their difference.
     let coarse = max(abs(s.position.x), max(abs(s.position.y), abs(s.position.z)));
     let distance = max(0.5 * site.footprint, max(1e-5 * coarse, 1e-7));
     let across = cross(s.geometric_normal, along);

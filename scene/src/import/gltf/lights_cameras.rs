@@ -89,10 +89,8 @@ pub(super) fn light(
         }
     };
     let needs_direction = kind != LightKind::Point;
-    let usable = intensity.is_finite()
-        && intensity.min_element() >= 0.0
-        && position.is_finite()
-        && (direction != Vec3::ZERO || !needs_direction);
+    let usable =
+        is_sound(source) && position.is_finite() && (direction != Vec3::ZERO || !needs_direction);
     if !usable {
         warnings.push(format!(
             "light \"{name}\": its intensity or transform can't be used; it is left out"
@@ -121,6 +119,13 @@ pub(super) fn light(
         range,
         kind,
     })
+}
+
+/// Whether a light can be used, wherever its node stands: one that can't isn't there at any moment.
+pub(super) fn is_sound(source: &Light) -> bool {
+    let intensity = Vec3::from(source.color) * source.intensity;
+    let has_type = matches!(source.type_, Checked::Valid(_));
+    has_type && intensity.is_finite() && intensity.min_element() >= 0.0
 }
 
 fn spot(source: &Light, name: &str, warnings: &mut Warnings) -> LightKind {

@@ -503,6 +503,24 @@ fn what_is_scaled_to_nothing_is_known_by_its_name() {
     assert_eq!(transform(&there.scene), transform(&gone.scene));
 }
 
+/// It isn't there at any moment, so that its name is free.
+#[test]
+fn a_light_that_can_not_be_used_is_not_gone() {
+    let mut tree = square();
+    tree["extensions"] = json!({ "KHR_lights_punctual": { "lights": [
+        { "type": "torch" }, { "type": "point", "intensity": -1 }, { "type": "spot", "color": [1, -1, 1] },
+        { "type": "spot", "name": "Beam" },
+    ] } });
+    let node = |light: usize| json!({ "name": format!("L{light}"), "scale": [0, 0, 0], "extensions": { "KHR_lights_punctual": { "light": light } } });
+    let body = json!({ "mesh": 0, "children": [1, 2, 3, 4] });
+    let nodes = std::iter::once(body).chain((0..4).map(node));
+    tree["nodes"] = nodes.collect();
+    let read = import(tree).expect("it is sound");
+    assert!(read.scene.lights.is_empty());
+    let gone: Vec<_> = read.names.gone_lights.into_iter().collect();
+    assert_eq!(gone, [("L3".to_owned(), "Beam".to_owned())]);
+}
+
 #[test]
 fn the_environment_is_decoded_once() {
     let folder = tempfile::tempdir().expect("a folder");

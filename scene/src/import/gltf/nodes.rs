@@ -323,9 +323,11 @@ pub(super) fn lights_and_cameras(
                     node_names.lights.push(node_name());
                     lights.push(light);
                 }
-                None => {
+                // Nothing but its transform is in the way, which may be another one at another moment.
+                None if lights_cameras::is_sound(source) => {
                     node_names.gone_lights.insert((node_name(), name));
                 }
+                None => {}
             }
         }
     }
