@@ -55,7 +55,7 @@ pub enum ImportError {
         problem: String,
     },
     /// An environment picture cannot be read or decoded.
-    #[error("{}: {problem}; save it again as a scan-line RGB OpenEXR or a Radiance HDR file", path.display())]
+    #[error("{}: {problem}; save it again as a scan-line RGB OpenEXR, or a Radiance HDR file of RGBE whose rows run from the top", path.display())]
     Environment {
         /// The picture.
         path: PathBuf,
