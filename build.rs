@@ -57,7 +57,8 @@ fn commit() -> String {
     for source in &sources {
         println!("cargo::rerun-if-changed={source}");
     }
-    let mut changes = vec!["status", "--porcelain", "--untracked-files=no", "--"];
+    // A source that nobody has added yet is compiled like any other.
+    let mut changes = vec!["status", "--porcelain", "--untracked-files=normal", "--"];
     changes.extend(sources.iter().map(String::as_str));
     match git(&changes) {
         Some(none) if none.is_empty() => commit,

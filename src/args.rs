@@ -73,12 +73,13 @@ Examples:
   Where the time goes, for people and for programs:
     patina render room.gltf --stats --stats-json room.json
 
-Ctrl-C, SIGTERM and SIGHUP end the render early, and what has been rendered is written; a second one aborts. Where a \
-result can't be written, the samples are kept and it is said where.
+Ctrl-C, SIGTERM and SIGHUP end the render early, and what has been rendered is written; a second one aborts. So does a soft limit of \
+processor time (SIGXCPU, `ulimit -S -t 3600`): between it and the hard one there have to be seconds. Where a result can't be written, the \
+samples are kept and it is said where.
 
 Compiled pipelines are kept in the system's folder for caches; PATINA_CACHE=DIR names another, PATINA_CACHE=off none.
 
-Exit codes: 0 done, 1 failed, 2 wrong usage, 130 ended by Ctrl-C (143 by SIGTERM, 129 by SIGHUP).";
+Exit codes: 0 done, 1 failed, 2 wrong usage, 130 ended by Ctrl-C (143 by SIGTERM, 129 by SIGHUP, 152 by SIGXCPU).";
 
 const MERGE_EXAMPLES: &str = "\
 Examples:
@@ -288,7 +289,8 @@ pub(crate) struct RenderArgs {
     #[command(flatten)]
     pub(crate) motion: MotionArgs,
 
-    /// How a pixel weighs the light around its centre.
+    /// How a pixel weighs the light around its centre. mitchell sharpens by weights that are negative, too: what is of one colour
+    /// everywhere is even, and what is solid opaque, with 256 samples or more.
     #[arg(long, value_name = "NAME", default_value = "box")]
     #[arg(value_parser = words(PixelFilter::ALL.map(PixelFilter::name)))]
     pub(crate) filter: String,

@@ -1,6 +1,7 @@
-//! Ctrl-C, SIGTERM and SIGHUP. Where there are results, the first signal asks for them to be written; where there are none
-//! yet, at the second signal (unless it is an echo of the first), and where a driver doesn't come back, the program ends at
-//! once. Either way nothing that is half done stays behind, and the exit code says which signal it was: 128 and its number.
+//! Ctrl-C, SIGTERM, SIGHUP, and SIGXCPU, by which a limit of processor time tells that it is reached. Where there are results, the
+//! first signal asks for them to be written; where there are none yet, at the second signal (unless it is an echo of the first), and
+//! where a driver doesn't come back, the program ends at once. Either way nothing that is half done stays behind, and the exit code says
+//! which signal it was: 128 and its number.
 
 use std::io::{self, Write};
 use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
@@ -119,6 +120,8 @@ fn arrived(signal: i32) {
             console::warning(NOTHING);
             leave();
         }
+        // Once the time is over, this comes again with every second more on a processor: nobody has lost patience.
+        Err(_) if system::comes_by_itself(signal) => {}
         Err(_) if CAME.get().is_some_and(|came| came.elapsed() < ECHO) => {}
         Err(_) => leave(),
     }
@@ -146,15 +149,21 @@ pub(crate) fn leave() -> ! {
 mod system {
     use std::io;
 
-    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGXCPU};
     use signal_hook::iterator::Signals;
 
-    pub(super) const ALL: [i32; 3] = [SIGINT, SIGTERM, SIGHUP];
+    pub(super) const ALL: [i32; 4] = [SIGINT, SIGTERM, SIGHUP, SIGXCPU];
+
+    /// Whether the system sends a signal, again and again, and no person.
+    pub(super) fn comes_by_itself(signal: i32) -> bool {
+        signal == SIGXCPU
+    }
 
     pub(super) fn listen() -> io::Result<()> {
         bear_limits_of_files();
-        // `nohup` has SIGHUP ignored, and that is meant for its children too.
-        let wanted = ALL.into_iter().filter(|&s| s != SIGHUP || !is_ignored(s));
+        // `nohup` has SIGHUP ignored, and that is meant for its children too; so it is where others have the end of the time ignored.
+        let may_be_ignored = |s| matches!(s, SIGHUP | SIGXCPU);
+        let wanted = (ALL.into_iter()).filter(|&s| !may_be_ignored(s) || !is_ignored(s));
         let mut signals = Signals::new(wanted)?;
         std::thread::Builder::new()
             .name("signals".to_owned())
@@ -195,6 +204,11 @@ mod system {
     /// Ctrl-C and the closing of the console count as SIGINT.
     const INTERRUPT: i32 = 2;
     pub(super) const ALL: [i32; 1] = [INTERRUPT];
+
+    /// Whether the system sends a signal, again and again, and no person.
+    pub(super) fn comes_by_itself(_signal: i32) -> bool {
+        false
+    }
 
     pub(super) fn listen() -> io::Result<()> {
         ctrlc::set_handler(|| super::arrived(INTERRUPT)).map_err(io::Error::other)

@@ -25,6 +25,7 @@ mod import;
 mod info;
 mod interrupt;
 mod job;
+mod left;
 mod library;
 mod manuals;
 mod memory;

@@ -6,20 +6,27 @@ use std::path::Path;
 
 use device::Device;
 use engine::film::Layers;
+use engine::film::layers::VECTOR;
 use engine::film::write::Format;
 use engine::procedural::Procedural;
 use engine::renderer::{DeviceMemory, RenderSettings, file_bytes, snapshot_bytes};
-use engine::scene::Scene;
+use engine::scene::import::environment_image_size;
+use engine::scene::look::EnvironmentLook;
+use engine::scene::{Environment, Scene};
 use engine::settings::Method;
+use engine::system::Disk;
 use pictures::seen::noise_bytes;
 
 use crate::console;
 use crate::failure::Failure;
 use crate::job::RenderJob;
+use crate::left::left;
 use crate::progress::Bar;
 
 /// Bytes of a pixel while PNG and JPEG files are made: radiance, what is shown of it, and its coverage.
 const SHOWN: u64 = 32;
+/// Bytes of a texel of the environment in the program.
+const TEXEL: u64 = size_of::<[f32; 3]>() as u64;
 
 /// What a render takes.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -29,6 +36,10 @@ pub(crate) struct Need {
     film: u64,
     /// What files are made from, the noise is looked at with, or the picture is judged by.
     files: u64,
+    /// The scene's pictures, as the program keeps them.
+    pictures: u64,
+    /// Those of them that are there already.
+    held: u64,
 }
 
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -89,7 +100,22 @@ impl Need {
         let pictures = job.outputs.pictures.iter();
         let size = [settings.width, settings.height].map(u64::from);
         let look = job.limits.flip.map(|_| noise_bytes(size));
+        let environment = match &scene.environment {
+            Environment::Constant(_) => 0,
+            Environment::Image { image, .. } => {
+                TEXEL * u64::from(image.width) * u64::from(image.height)
+            }
+        };
+        let images = scene.images.iter().map(|image| image.rgba8.len() as u64);
+        let held = environment + images.sum::<u64>();
+        // Of several moments the next one's is there beside the last one's, and beside that which both were made from.
+        let has_moments = job.motion.is_sequence()
+            || job.motion.shutter.is_some()
+            || job.layers.iter().any(|layer| layer.name == VECTOR);
+        let further = if has_moments { 2 * environment } else { 0 };
         Self {
+            pictures: held + further,
+            held,
             devices: on_devices,
             film: copies * snapshot_bytes(settings),
             files: pictures
@@ -104,7 +130,8 @@ impl Need {
     /// Of the machine's memory.
     fn machine(&self) -> u64 {
         let shared = self.devices.iter().filter(|device| device.is_shared);
-        self.film + self.files + shared.map(|device| device.bytes.total()).sum::<u64>()
+        let devices: u64 = shared.map(|device| device.bytes.total()).sum();
+        self.film + self.files + self.pictures + devices
     }
 
     /// In words.
@@ -127,8 +154,12 @@ impl Need {
             )
         };
         let devices: Vec<_> = self.devices.iter().map(of_device).collect();
+        let pictures = match self.pictures {
+            0 => String::new(),
+            bytes => format!(", {} for the scene's pictures", shown(bytes)),
+        };
         format!(
-            "{}, and {} for files and copies of the film",
+            "{}, and {} for files and copies of the film{pictures}",
             devices.join(", "),
             shown(self.film + self.files)
         )
@@ -158,7 +189,9 @@ impl Need {
             (None, None) => return Ok(()),
         };
         let needed = self.machine();
-        if needed <= limit {
+        // What is there already isn't among what is left.
+        let there = if most.is_some() { 0 } else { self.held };
+        if needed - there <= limit {
             return Ok(());
         }
         let retry = match most {
@@ -195,6 +228,58 @@ pub(crate) fn largest_wave(most: Option<u64>) -> u32 {
 /// Bytes of a path, about.
 const PATH: u64 = 512;
 
+/// Whether a look's environment can be read within `most` bytes, or within what the system has left: by the size that its file claims, so
+/// that nothing is taken for one that can't.
+///
+/// # Errors
+/// It can't; the text says what to do.
+pub(crate) fn check_environment(job: &RenderJob) -> Result<(), Failure> {
+    // What else is wrong with either is told where it is read.
+    let Ok(Some(look)) = job.overrides.look(job.look.as_deref()) else {
+        return Ok(());
+    };
+    let environment = look.environment.as_ref().map(|given| &given.value);
+    let Some(EnvironmentLook::Image { image, .. }) = environment else {
+        return Ok(());
+    };
+    let path = look.resolve(&image.value);
+    let Some(size) = environment_image_size(&Disk, &path) else {
+        return Ok(());
+    };
+    let file = fs::metadata(&path).map_or(0, |meta| meta.len());
+    environment_fits(&path, size, file, job.memory, left())
+}
+
+/// See [`check_environment`]; the file has so many bytes.
+fn environment_fits(
+    path: &Path,
+    [width, height]: [u32; 2],
+    file: u64,
+    most: Option<u64>,
+    left: Option<u64>,
+) -> Result<(), Failure> {
+    let picture = TEXEL * u64::from(width) * u64::from(height);
+    // It lies beside its file, then beside the one that the scene gets.
+    let needed = picture + picture.max(file);
+    let because = match (most, left) {
+        (Some(most), _) if needed > most => format!("more than --memory {}", shown(most)),
+        (None, Some(left)) if needed > left => format!("but {} are left", shown(left)),
+        _ => return Ok(()),
+    };
+    let retry = match most {
+        Some(_) => String::new(),
+        None => format!(
+            "; --memory {}G tries it all the same",
+            needed.div_ceil(1 << 30)
+        ),
+    };
+    Err(Failure::Failed(format!(
+        "the environment {} of {width}x{height} texels takes {} of memory while it is read, {because}: scale it down{retry}",
+        path.display(),
+        shown(needed)
+    )))
+}
+
 /// Tells what a render will take.
 ///
 /// # Errors
@@ -219,36 +304,6 @@ fn shown(bytes: u64) -> String {
     }
 }
 
-/// Bytes that programs can still have: of the machine, and of the group of processes that this one is in.
-pub(crate) fn left() -> Option<u64> {
-    let machine = fs::read_to_string("/proc/meminfo").ok()?;
-    let machine = available(&machine)?;
-    let groups = fs::read_to_string("/proc/self/cgroup").unwrap_or_default();
-    let group = groups.lines().find_map(|line| line.strip_prefix("0::/"));
-    let group = group.and_then(|group| left_of_group(&Path::new("/sys/fs/cgroup").join(group)));
-    Some(group.map_or(machine, |group| group.min(machine)))
-}
-
-/// What is available, by the text of `/proc/meminfo`.
-fn available(text: &str) -> Option<u64> {
-    let line = text.lines().find_map(|l| l.strip_prefix("MemAvailable:"))?;
-    let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
-    kibibytes.checked_mul(1024)
-}
-
-/// What a group of processes may still take; `None` where it has no limit. Files that are kept in memory can be dropped.
-fn left_of_group(folder: &Path) -> Option<u64> {
-    let number = |name: &str| -> Option<u64> {
-        let text = fs::read_to_string(folder.join(name)).ok()?;
-        text.trim().parse().ok()
-    };
-    let files = fs::read_to_string(folder.join("memory.stat")).unwrap_or_default();
-    let files = files.lines().find_map(|l| l.strip_prefix("inactive_file "));
-    let files: u64 = files.and_then(|n| n.trim().parse().ok()).unwrap_or(0);
-    let used = number("memory.current")?.saturating_sub(files);
-    Some(number("memory.max")?.saturating_sub(used))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -269,7 +324,42 @@ mod tests {
             }],
             film: 1 << 30,
             files: 1 << 30,
+            pictures: 0,
+            held: 0,
         }
+    }
+
+    #[test]
+    fn pictures_of_the_scene_count_and_are_there_already() {
+        let bare = need(4, true);
+        let whole = bare.machine();
+        let with = Need {
+            pictures: 3 << 30,
+            held: 1 << 30,
+            ..bare
+        };
+        assert!(with.text().ends_with("3.0 GiB for the scene's pictures"));
+        let fits = |most, left| with.check(most, left).is_ok();
+        assert!(fits(Some(whole + (3 << 30)), None) && !fits(Some(whole + (2 << 30)), None));
+        assert!(fits(None, Some(whole + (2 << 30))) && !fits(None, Some(whole + (1 << 30))));
+    }
+
+    #[test]
+    fn a_large_environment_is_refused_before_it_is_read() {
+        let path = Path::new("sky.exr");
+        let fits = |file, most, left| environment_fits(path, [16384, 8192], file, most, left);
+        let gibibytes = |n: u64| Some(n << 30);
+        assert!(fits(0, gibibytes(3), gibibytes(1)).is_ok());
+        assert!(fits(0, None, None).is_ok());
+        let text = fits(0, gibibytes(2), None)
+            .expect_err("no room")
+            .to_string();
+        for word in ["sky.exr", "16384x8192", "3.0 GiB", "--memory 2.0 GiB"] {
+            assert!(text.contains(word), "{word}: {text}");
+        }
+        // The file of one with many channels is larger than what is shown of it.
+        let text = fits(2 << 30, None, gibibytes(3)).expect_err("no room");
+        assert!(text.to_string().contains("--memory 4G tries it"), "{text}");
     }
 
     #[test]
@@ -308,23 +398,5 @@ mod tests {
         assert_eq!(refused(&own, None, gibibytes(2)), None);
         let text = refused(&own, gibibytes(3), None).expect("too much for the device");
         assert!(text.contains("on A"), "{text}");
-    }
-
-    #[test]
-    fn the_system_says_what_is_left() {
-        let text = "MemTotal:       24682416 kB\nMemAvailable:   20458936 kB\n";
-        assert_eq!(available(text), Some(20_458_936 * 1024));
-        assert_eq!(available("MemFree: 1 kB"), None);
-        let folder = tempfile::tempdir().expect("a folder");
-        let write = |name: &str, text: &str| {
-            fs::write(folder.path().join(name), text).expect("written");
-        };
-        assert_eq!(left_of_group(folder.path()), None);
-        write("memory.max", "max\n");
-        write("memory.current", "700\n");
-        assert_eq!(left_of_group(folder.path()), None);
-        write("memory.max", "1000\n");
-        write("memory.stat", "anon 5\ninactive_file 200\n");
-        assert_eq!(left_of_group(folder.path()), Some(500));
     }
 }

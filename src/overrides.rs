@@ -296,7 +296,7 @@ impl<'a> Edited<'a> {
     }
 }
 
-/// Whether `--set` was given what begins like a number and is none: `20%`, `0,2`.
+/// Whether `--set` was given what begins like a number and is none: `20%`, `0,2` (which is a list, where one is wanted).
 fn is_like_a_number(flag: &str) -> bool {
     let Some((_, value)) = flag
         .strip_prefix("--set ")
@@ -309,9 +309,11 @@ fn is_like_a_number(flag: &str) -> bool {
     let is_number = value.trim().parse::<f64>().is_ok();
     // Names of files, too, begin with digits.
     let is_name = value.contains(|c: char| c.is_alphabetic() || c == '/');
+    let is_list = value.matches(',').count() > 1;
     digits.starts_with(|c: char| c.is_ascii_digit())
         && !is_number
         && !is_name
+        && !is_list
         && parse_value(value.trim()).is_none()
 }
 
@@ -544,6 +546,7 @@ mod tests {
             ("20%", true),
             ("0,2", true),
             ("-1.5.2", true),
+            ("1,0,0", false),
             ("mask", false),
             (".mask", false),
             ("2", false),

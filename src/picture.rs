@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use engine::film::write::TRANSPARENCY;
 use engine::film::{self, Film, LAYERS, Origin, Part, PartError, layers};
 use engine::input;
 use pictures::{Channel, Facts, Layer, Picture, PictureError};
@@ -241,9 +242,26 @@ fn of_film(
         true => of_pass,
         false => vec![layer],
     };
+    // Files of films that know what lies in front of the environment hold that: `--transparent` gathers both layers.
+    let is_transparent = TRANSPARENCY.iter().all(|name| gathers(film, name));
+    let split = |pixels: Vec<[f32; 3]>| -> Vec<Vec<f32>> {
+        let channel = |at: usize| pixels.iter().map(|rgb| rgb[at]).collect();
+        (0..3).map(channel).collect()
+    };
     let mut channels = Vec::new();
     for member in members {
-        for (name, values) in member.channel_names().zip(film.channels(member)?) {
+        let in_front = match member.name {
+            _ if !is_transparent => None,
+            name if name == LAYERS[0].name => film.foreground().map(split),
+            "alpha" => film.alpha().map(|alpha| vec![alpha]),
+            _ if member.is_of_environment(names) => film.group_in_front(member).map(split),
+            _ => None,
+        };
+        let numbers = match in_front {
+            Some(numbers) => numbers,
+            None => film.channels(member)?,
+        };
+        for (name, values) in member.channel_names().zip(numbers) {
             // Ids are several layers to a file, and one here.
             let whole = name.trim_start_matches(VIEW_LAYER);
             let own = whole.strip_prefix(member.pass).unwrap_or(whole);
@@ -265,6 +283,11 @@ fn of_film(
     (!channels.is_empty()).then(|| Layer::new(name, size, channels))
 }
 
+/// Whether a film keeps a layer.
+fn gathers(film: &Film, name: &str) -> bool {
+    film.layers().iter().any(|layer| layer.name == name)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -276,12 +299,17 @@ mod tests {
 
     /// An EXR file of all layers of a film.
     fn file_of(film: &Film, origin: &Origin) -> Vec<u8> {
+        file_with(film, origin, false)
+    }
+
+    fn file_with(film: &Film, origin: &Origin, transparent: bool) -> Vec<u8> {
         let metadata = film::write::Metadata::new(film, origin);
         let mut file = std::io::Cursor::new(Vec::new());
         let form = film::write::Form::new(film::write::Compression::Zip, &[""; 0], &["all"]);
         let form = form.expect("a form");
         let content = film::write::Content {
             form: &form,
+            transparent,
             ..film::write::Content::from(film)
         };
         film::write::write(
@@ -369,6 +397,27 @@ mod tests {
         let node = |name| of_film(&film, &names, Some(name)).expect("in the film");
         assert_ne!(node("node:a").channels, node("node:A").channels);
         assert_eq!(of_film(&film, &names, Some("crypto_object09")), None);
+    }
+
+    #[test]
+    fn the_picture_of_a_transparent_film_is_that_of_its_file() {
+        let layers = Layers::named(TRANSPARENCY).expect("known");
+        let mut film = Film::with_layers(2, 1, layers);
+        for (pixel, behind, alpha) in [(0, 1.0, 0.0), (1, 0.25, 0.5)] {
+            film.add_sample(pixel, [1.0; 3]);
+            film.add_surface(pixel, 0, |layer| match layer.name {
+                "alpha" => [alpha, 0.0, 0.0],
+                _ => [behind; 3],
+            });
+        }
+        let origin = Origin::new("", Path::new(""), None, Vec::new());
+        let file = Picture::read(&file_with(&film, &origin, true)).expect("a picture");
+        for name in [None, Some("combined"), Some("environment"), Some("alpha")] {
+            let here = film_layer(&film, name).expect("in the film");
+            assert_eq!(Some(here), of_picture(&file, name), "{name:?}");
+        }
+        let picture = film_layer(&film, None).expect("always there");
+        assert_eq!(picture.channels[0].values, [0.0, 0.75]);
     }
 
     #[test]

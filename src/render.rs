@@ -19,7 +19,7 @@ use std::time::{Duration, Instant};
 use device::Device;
 use engine::audit::Audit;
 use engine::denoise::Denoiser;
-use engine::film::layers::VECTOR;
+use engine::film::layers::{SHADOW_CATCHER, VECTOR};
 use engine::film::{Film, Origin, Part, Tally};
 use engine::fleet::{DeviceShare, Fleet};
 use engine::procedural::Procedural;
@@ -111,7 +111,11 @@ fn picture(job: &RenderJob) -> Result<(), Failure> {
     let loaded = first.opening.loaded();
     let warnings = job.overrides.told(job.look.as_deref(), &loaded.warnings);
     bar.suspend(|| console::diagnostics(&warnings));
+    let without = job;
     let job = &job.for_scene(&loaded.scene);
+    if let Some(warning) = missed(without, job) {
+        bar.suspend(|| console::warning(warning));
+    }
     // What else was read is known only now.
     output::check_all(&written, &first.opening.files())?;
     let view = view_of(job, &first);
@@ -339,6 +343,16 @@ impl Told {
                 && lights.any(|light| !has_size(light.kind)),
         }
     }
+}
+
+/// What is said of layers that were asked for, and that a scene hasn't.
+fn missed(asked: &RenderJob, of_scene: &RenderJob) -> Option<&'static str> {
+    let has = |job: &RenderJob| {
+        let mut layers = job.shown_layers.iter();
+        layers.any(|layer| layer.name == SHADOW_CATCHER)
+    };
+    (has(asked) && !has(of_scene))
+        .then_some("no material is a `shadow_catcher`: there is no layer of that name")
 }
 
 /// Writes the pictures, and tells what is to be told. What has rendered is given back.

@@ -290,6 +290,14 @@ pub(crate) enum UsageError {
          -o room.exr"
     )]
     NoFileOfLayers,
+    /// How EXR files are to be, and none is written.
+    #[error(
+        "{flag}: PNG and JPEG files have nothing of it; name a file that ends in .exr or .patina-film as well, as in -o room.exr"
+    )]
+    NoFileOfForm {
+        /// The flag's name.
+        flag: &'static str,
+    },
     /// What EXR files can't be.
     #[error("{flag}: {problem}")]
     Form {
@@ -349,6 +357,16 @@ pub(crate) enum UsageError {
         given: String,
         /// What is wrong, and what to do.
         problem: String,
+    },
+    /// A texture's file in place of its name.
+    #[error("{}: textures are named here, not their files: write `{name} --textures {}`", given.display(), folder.display())]
+    TextureFile {
+        /// As typed.
+        given: PathBuf,
+        /// The texture's name.
+        name: String,
+        /// Where it lies.
+        folder: PathBuf,
     },
     /// `--name ''` of a material.
     #[error(

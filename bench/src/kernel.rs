@@ -1,6 +1,7 @@
 //! The generated kernel on its own: how long it takes to build it for many textures, and whether a hit costs more
 //! because of textures and nodes that it doesn't use.
 
+use std::cmp::Ordering;
 use std::fmt::Write;
 use std::ops::Range;
 use std::path::Path;
@@ -183,8 +184,8 @@ pub fn rebuild(
 }
 
 /// Measures what a hit costs without anything besides, with unused textures in the folder, and with nodes on other
-/// materials, whose textures are those of the measured one, ten others, or as many others as the kernel may hold. The
-/// last row is the first case once more: how far timings differ by themselves.
+/// materials, whose textures are those of the measured one, ten others, or `most_textures` others; ten only where they are no more than
+/// these. The last row is the first case once more: how far timings differ by themselves.
 ///
 /// # Errors
 /// The textures of the measured material (`rust_color`, `rust_mask`, `mix_color`) are missing or wrong, or the device.
@@ -201,36 +202,34 @@ pub fn hits(
     let most = most_textures.clamp(1, can_run);
     let originals = originals(sources)?;
     let mut more = sources.clone();
-    let [mut of_the_same, mut of_few, mut of_most] = [(); 3].map(|()| SUBJECT.to_owned());
+    let mut of_the_same = SUBJECT.to_owned();
+    let mut of_others: Vec<_> = (others(most).into_iter())
+        .map(|(what, count)| (what, count, SUBJECT.to_owned()))
+        .collect();
     for number in 0..OTHERS {
         let texture = &originals[number % originals.len()];
         let name = format!("other{number:03}");
         more.insert(&name, variant(texture, &name, number as u64).text());
-        node(
-            &mut of_few,
-            number,
-            &format!("other{:03}", number % FEW),
-            number + 1,
-        );
-        node(
-            &mut of_most,
-            number,
-            &format!("other{:03}", number % most),
-            number + 1,
-        );
+        for (_, count, look) in &mut of_others {
+            let other = format!("other{:03}", number % *count);
+            node(look, number, &other, number + 1);
+        }
         let same = ["rust_color", "rust_mask", "mix_color"][number % 3];
         node(&mut of_the_same, number, same, number + 1);
     }
-    let cases = [
+    let mut cases: Vec<(&'static str, &str, &TextureSources)> = vec![
         ("nothing", SUBJECT, sources),
         ("100 unused textures in the folder", SUBJECT, &more),
-        ("100 nodes on 100 other materials", &of_the_same, sources),
-        ("the same, of 10 other textures", &of_few, &more),
-        ("the same, of more other textures", &of_most, &more),
-        ("nothing, again", SUBJECT, sources),
+        (
+            "100 nodes on 100 other materials",
+            of_the_same.as_str(),
+            sources,
+        ),
     ];
+    cases.extend((of_others.iter()).map(|(what, _, look)| (*what, look.as_str(), &more)));
+    cases.push(("nothing, again", SUBJECT, sources));
     let mut renderers = Vec::new();
-    for (_, look, textures) in cases {
+    for &(_, look, textures) in &cases {
         let (mut renderer, _) = renderer(device, look, textures, OTHERS, SIDE)?;
         time_hits(&mut renderer)?; // compiles what isn't compiled yet
         renderers.push(renderer);
@@ -254,6 +253,16 @@ pub fn hits(
             }
         })
         .collect())
+}
+
+/// Cases of other textures than the measured ones, none of which has more than so many: what they are called, and how many they have.
+fn others(most: usize) -> Vec<(&'static str, usize)> {
+    let few = ("the same, of 10 other textures", FEW);
+    match most.cmp(&FEW) {
+        Ordering::Less => vec![("the same, of fewer other textures", most)],
+        Ordering::Equal => vec![few],
+        Ordering::Greater => vec![few, ("the same, of more other textures", most)],
+    }
 }
 
 /// The material whose hits are timed. Occlusion is traced elsewhere, and is no matter here.
@@ -481,6 +490,17 @@ mod tests {
             assert_ne!(a.text(), b.text(), "{}", texture.name());
             TextureType::parse(a).unwrap_or_else(|problems| panic!("{problems}"));
         }
+    }
+
+    #[test]
+    fn no_more_other_textures_are_measured_than_are_asked_for() {
+        let counts = |most: usize| -> Vec<usize> {
+            others(most).into_iter().map(|(_, count)| count).collect()
+        };
+        assert_eq!(counts(1), [1]);
+        assert_eq!(counts(9), [9]);
+        assert_eq!(counts(10), [10]);
+        assert_eq!(counts(30), [10, 30]);
     }
 
     #[test]

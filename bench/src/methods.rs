@@ -156,6 +156,13 @@ pub struct MethodsReport {
     pub left_out: Vec<String>,
 }
 
+impl MethodsReport {
+    /// Whether any picture was measured.
+    pub fn has_figures(&self) -> bool {
+        self.curves.iter().any(|curve| !curve.points.is_empty())
+    }
+}
+
 /// Why nothing can be measured.
 #[derive(Debug, thiserror::Error)]
 pub enum MethodsError {

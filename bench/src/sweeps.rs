@@ -122,6 +122,10 @@ pub struct SweepPoint {
 pub struct LeftOut {
     /// The value.
     pub value: f64,
+    /// What it is, where it isn't what points have: `zoom` of the coverage, whose share isn't known then. 1 is a model as high as the
+    /// picture.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub setting: Option<&'static str>,
     /// Why.
     pub reason: String,
 }
@@ -144,6 +148,9 @@ pub struct SweepReport {
     /// Why there are no points of further values, if that is so: [`INTERRUPTED`], or what failed.
     pub ended: Option<String>,
 }
+
+/// What values of the coverage are that are left out.
+const ZOOM: &str = "zoom";
 
 /// Why a sweep has ended that was told to.
 pub const INTERRUPTED: &str = "interrupted";
@@ -266,6 +273,7 @@ impl Step {
         let left_out = |value: f64, reason: &str| {
             Ok(Err(LeftOut {
                 value,
+                setting: (what == Sweep::Coverage).then_some(ZOOM),
                 reason: reason.to_owned(),
             }))
         };
@@ -430,6 +438,34 @@ mod tests {
             is_over,
         };
         sweep(&device, &setup, Sweep::Bounces, progress)
+    }
+
+    #[test]
+    fn values_of_the_coverage_that_are_left_out_are_zooms() {
+        let device = Device::open(&DeviceChoice::Native(1));
+        let device = device.unwrap_or_else(|error| panic!("{error}"));
+        let (mut scene, sources) = (scenes::arcade(), sources());
+        scene.materials.push(Material {
+            name: "unused".to_owned(),
+            ..Material::default()
+        });
+        let setup = Setup {
+            scene: &scene,
+            material: "unused",
+            sources: &sources,
+            settings: RenderSettings::new(8, 8, &scene.cameras[0]),
+            spp: 2,
+            runs: 1,
+            ao_rays: &[1],
+            forms: &[Form::Stack],
+            statistics_device: None,
+            is_over: || false,
+        };
+        let report = sweep(&device, &setup, Sweep::Coverage, || ());
+        let left_out = report.left_out.iter();
+        let values: Vec<_> = left_out.map(|out| (out.value, out.setting)).collect();
+        let expected = [0.25, 0.5, 1.0, 2.0, 4.0].map(|zoom| (zoom, Some("zoom")));
+        assert_eq!(values, expected);
     }
 
     #[test]

@@ -110,7 +110,11 @@ impl Denoiser {
     /// # Errors
     /// As [`Self::picture`].
     pub fn film(&self, content: &Content<'_>) -> Result<Vec<[f32; 3]>, DenoiseError> {
-        self.guided_by(content.film, &content.picture())
+        let mut picture = self.guided_by(content.film, &content.picture())?;
+        if let Some(alpha) = content.alpha() {
+            clear_uncovered(&mut picture, &alpha);
+        }
+        Ok(picture)
     }
 
     /// Radiance of a film's pixels without its noise, as of its lights mixed otherwise, with the help of the [`GUIDES`] where the film
@@ -171,10 +175,25 @@ impl Denoiser {
     }
 }
 
+/// Takes away what denoising has spread over the border of what is there: colours are multiplied by alpha, which isn't denoised, and
+/// would glow in front of everything.
+fn clear_uncovered(picture: &mut [[f32; 3]], alpha: &[f32]) {
+    for (rgb, _) in picture.iter_mut().zip(alpha).filter(|(_, a)| **a == 0.0) {
+        *rgb = [0.0; 3];
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::film::Layers;
+
+    #[test]
+    fn where_nothing_is_nothing_glows() {
+        let mut picture = [[0.5, 0.25, 0.0]; 3];
+        clear_uncovered(&mut picture, &[0.0, 0.125, 1.0]);
+        assert_eq!(picture, [[0.0; 3], [0.5, 0.25, 0.0], [0.5, 0.25, 0.0]]);
+    }
 
     #[test]
     fn what_is_no_such_library_is_refused_by_name() {

@@ -44,7 +44,7 @@ pub use part::{sealed, unpacked};
 pub use tally::Tally;
 
 use ids::{Counts, Coverage, IDS};
-use layers::{MAX_CHANNELS, Rule};
+use layers::{ENVIRONMENT, MAX_CHANNELS, Rule};
 
 /// The largest side of a picture, pixels.
 pub const MAX_SIDE: u32 = 16384;
@@ -212,18 +212,44 @@ impl Film {
     /// As [`Self::mean`] without the environment that the camera sees itself, and without shadow catchers: what lies in front of both, by
     /// its coverage ([`Self::alpha`]). `None` where the film hasn't gathered the layer `environment`.
     pub fn foreground(&self) -> Option<Vec<[f32; 3]>> {
-        let environment = &self.planes[self.layers.first_plane(Layer::named("environment")?)?..];
+        let environment = &self.planes[self.layers.first_plane(Layer::named(ENVIRONMENT)?)?..];
+        let covered = self.covered();
         let pixel = |pixel: usize| {
             let n = f64::from(self.samples(pixel).max(1));
             let sum = self.sum(pixel);
             let caught = self.caught(pixel).map_or([0.0; 3], |caught| caught.light);
+            // Where filters with negative weights cover more than all, alpha is 1, and colours are those of 1.
+            let excess =
+                (covered.as_ref()).map_or(1.0, |covered| f64::from(covered[pixel].max(1.0)));
             std::array::from_fn(|c| {
                 let [low, middle, high, _] = environment[c][pixel];
                 // Both sums are exact, so that nothing is left where there is nothing else.
                 let seen = (sum[c] - signed([low, middle, high])) / n - caught[c];
                 // Parts of the light are rounded one by one.
                 let is_rounding = seen.abs() < 1e-6 * caught[c];
-                if is_rounding { 0.0 } else { seen as f32 }
+                if is_rounding {
+                    0.0
+                } else {
+                    (seen / excess) as f32
+                }
+            })
+        };
+        Some((0..self.pixels()).map(pixel).collect())
+    }
+
+    /// Light of a group of lights, without the environment that the camera sees itself, for that group which the environment is of
+    /// ([`Layer::is_of_environment`]). `None` where the film hasn't gathered both.
+    pub fn group_in_front(&self, group: &Layer) -> Option<Vec<[f32; 3]>> {
+        let environment = &self.planes[self.layers.first_plane(Layer::named(ENVIRONMENT)?)?..];
+        let group = &self.planes[self.layers.first_plane(group)?..];
+        let pixel = |pixel: usize| {
+            let n = f64::from(self.samples(pixel).max(1));
+            std::array::from_fn(|c| {
+                let [all, seen] = [group, environment].map(|planes| {
+                    let [low, middle, high, _] = planes[c][pixel];
+                    signed([low, middle, high])
+                });
+                ((all - seen) / n) as f32
             })
         };
         Some((0..self.pixels()).map(pixel).collect())
@@ -231,14 +257,19 @@ impl Film {
 
     /// Share of each pixel that surfaces cover, 0 to 1; of shadow catchers, the share that the shadows on them take. `None` where the film hasn't gathered the layer `alpha`.
     pub fn alpha(&self) -> Option<Vec<f32>> {
-        let means = self.means(Layer::named("alpha")?)?;
         // Filters with negative weights may leave that range.
-        let alpha = means.iter().zip(0..).map(|(mean, pixel)| {
-            let caught = self.caught(pixel);
-            let hidden = caught.map_or(0.0, |caught| caught.share - caught.shadow());
-            (mean[0] - hidden as f32).clamp(0.0, 1.0)
+        let covered = self.covered()?;
+        Some(covered.into_iter().map(|a| a.clamp(0.0, 1.0)).collect())
+    }
+
+    /// As [`Self::alpha`], by the weights of the filter as they are.
+    fn covered(&self) -> Option<Vec<f32>> {
+        let means = self.means(Layer::named("alpha")?)?;
+        let covered = means.iter().zip(0..).map(|(mean, pixel)| {
+            let hidden = self.caught(pixel).map_or(0.0, |caught| caught.hidden());
+            mean[0] - hidden as f32
         });
-        Some(alpha.collect())
+        Some(covered.collect())
     }
 
     /// Standard error of each pixel's mean, from the spread of its samples; infinite below two samples.

@@ -24,7 +24,7 @@ pub struct Distance {
     pub changed: f64,
     /// Peak signal-to-noise ratio of the colours that are shown, 0 to 1 and encoded as sRGB, decibels: infinite where there is no
     /// difference, minus infinity where a difference is infinite. Of layers of colours only, like [`Self::flip`]; where both have alpha
-    /// they are in front of grey.
+    /// that belongs to their colours ([`Layer::is_covering`]) they are in front of grey.
     pub psnr: Option<f64>,
     /// Mean of [`flip`], 0 to 1; infinite where a difference is.
     pub flip: Option<f64>,
@@ -50,6 +50,20 @@ impl Distance {
     /// # Errors
     /// They differ in size or in channels.
     pub fn between(layer: &Layer, reference: &Layer, exposure: f32) -> Result<Self, DistanceError> {
+        let are_covering = layer.is_covering() && reference.is_covering();
+        Self::of_parts(layer, reference, exposure, are_covering)
+    }
+
+    /// As [`Self::between`] of parts of two pictures, of which `are_covering` says whether the alpha of both wholes belongs to their colours.
+    ///
+    /// # Errors
+    /// As [`Self::between`].
+    pub fn of_parts(
+        layer: &Layer,
+        reference: &Layer,
+        exposure: f32,
+        are_covering: bool,
+    ) -> Result<Self, DistanceError> {
         if layer.size != reference.size {
             return Err(DistanceError::Size(layer.size, reference.size));
         }
@@ -90,7 +104,8 @@ impl Distance {
             flip: None,
             map: Vec::new(),
         };
-        let alphas = layer.alpha().zip(reference.alpha()).unzip();
+        let alphas = layer.alpha().zip(reference.alpha());
+        let alphas = alphas.filter(|_| are_covering).unzip();
         let shown = layer.displayed(exposure, alphas.0);
         let shown = shown.zip(reference.displayed(exposure, alphas.1));
         match shown {
@@ -230,6 +245,25 @@ mod tests {
         assert_eq!((one.mse, one.changed, one.flip), (0.0, 0.0, Some(0.0)));
         let none = distance(Some(f32::NAN), Some(0.5));
         assert_eq!(none.flip, Some(f64::INFINITY));
+    }
+
+    #[test]
+    fn what_is_seen_where_nothing_covers_counts() {
+        let layer = |sky: f32| {
+            let channels = ["R", "G", "B", "A"].into_iter().map(|name| Channel {
+                name: name.to_owned(),
+                values: vec![if name == "A" { 0.0 } else { sky }],
+            });
+            Layer::new(String::new(), [1, 1], channels.collect())
+        };
+        // In front of grey all of these would be white.
+        let found = Distance::between(&layer(0.8), &layer(1.0), 0.0).expect("alike");
+        assert!(
+            found.flip > Some(0.0) && found.psnr < Some(30.0),
+            "{found:?}"
+        );
+        let found = Distance::between(&layer(0.0), &layer(0.0), 0.0).expect("alike");
+        assert_eq!(found.flip, Some(0.0));
     }
 
     #[test]

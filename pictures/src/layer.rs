@@ -117,6 +117,18 @@ impl Layer {
         alpha.map(|channel| channel.values.as_slice())
     }
 
+    /// Whether colours are those of what alpha says is there: none is where nothing is covered. Pictures with everything in them may tell
+    /// what surfaces cover all the same.
+    pub fn is_covering(&self) -> bool {
+        let is_black = |at: usize| {
+            self.channels[..RGB.len()]
+                .iter()
+                .all(|c| c.values[at] == 0.0)
+        };
+        let mut pixels = self.alpha().into_iter().flatten().enumerate();
+        pixels.all(|(at, &alpha)| alpha != 0.0 || is_black(at))
+    }
+
     /// For people.
     pub fn title(&self) -> &str {
         match self.name.as_str() {
@@ -183,6 +195,22 @@ mod tests {
         let vector = layer("a", "XYZ");
         assert!(!vector.is_color() && vector.displayed(0.0, None).is_none());
         assert_eq!(vector.channels.len(), 3);
+    }
+
+    #[test]
+    fn alpha_may_be_told_of_pictures_with_everything_in_them() {
+        let color = |alpha: [f32; 2], green: [f32; 2]| {
+            let values = [[0.0; 2], green, [0.0; 2], alpha];
+            let channels = ["R", "G", "B", "A"].into_iter().zip(values);
+            let channels = channels.map(|(name, values)| Channel {
+                name: name.to_owned(),
+                values: values.to_vec(),
+            });
+            Layer::new(String::new(), [2, 1], channels.collect())
+        };
+        assert!(color([0.0, 0.5], [0.0, 0.5]).is_covering());
+        assert!(!color([0.0, 0.5], [0.25, 0.5]).is_covering());
+        assert!(layer("a", "RGB").is_covering() && layer("a", "Z").is_covering());
     }
 
     #[test]

@@ -86,18 +86,13 @@ impl Aside {
     /// Begins a file that is to be at `path`. Where that is a link, the file that it points to is meant.
     ///
     /// # Errors
-    /// What the system says: the folder isn't there or takes no files, the name is too long; a named pipe.
+    /// What the system says: the folder isn't there or takes no files, the name is too long; a named pipe, or the standard input.
     pub fn begin(path: &Path) -> io::Result<Self> {
         #[cfg(unix)]
-        use std::os::unix::fs::FileTypeExt as _;
-
-        // To open one waits until somebody reads it, and who did so before goes when it is closed once. Pipes that are open already, such as
-        // `/dev/stdout`, are links.
-        #[cfg(unix)]
-        if fs::symlink_metadata(path).is_ok_and(|meta| meta.file_type().is_fifo()) {
-            return Err(io::Error::other(
-                "it is a named pipe; give the name of a file",
-            ));
+        if let Some(kind) = endless(path) {
+            return Err(io::Error::other(format!(
+                "it is {kind}; give the name of a file"
+            )));
         }
         let is_stream = |meta: fs::Metadata| !meta.is_file() && !meta.is_dir();
         if fs::metadata(path).is_ok_and(is_stream) {
@@ -237,8 +232,14 @@ fn remove_abandoned(folder: &Path, now: SystemTime) {
 /// # Errors
 /// A circle of links, a name that is too long.
 pub fn followed(path: &Path) -> io::Result<PathBuf> {
+    followed_past(path, |_| ())
+}
+
+/// As [`followed`]; `pass` sees each place on the way.
+fn followed_past(path: &Path, mut pass: impl FnMut(&Path)) -> io::Result<PathBuf> {
     let mut target = path.to_owned();
     for _ in 0..MOST_LINKS {
+        pass(&target);
         match fs::symlink_metadata(&target) {
             Ok(meta) if meta.file_type().is_symlink() => {
                 let link = fs::read_link(&target)?;
@@ -250,6 +251,31 @@ pub fn followed(path: &Path) -> io::Result<PathBuf> {
         }
     }
     Err(io::Error::other("it is a link that leads to itself"))
+}
+
+/// What a path leads to where writing to it may wait for ever.
+#[cfg(unix)]
+fn endless(path: &Path) -> Option<&'static str> {
+    use std::os::unix::fs::FileTypeExt as _;
+
+    let (mut is_input, mut is_open) = (false, false);
+    let end = followed_past(path, |place| {
+        let folder = folder_of(place).canonicalize().unwrap_or_default();
+        let is_system = ["/proc", "/dev"]
+            .iter()
+            .any(|root| folder.starts_with(root));
+        let is_numbered = is_system && folder.ends_with("fd");
+        is_open |= is_numbered;
+        is_input |= place == Path::new("/dev/stdin") || is_numbered && place.ends_with("0");
+    });
+    if is_input {
+        // Nobody reads what is written to a pipe's end that is read from.
+        return Some("the standard input");
+    }
+    // To open a pipe waits until somebody reads it, and who did so before goes when it is closed once. One that the program was given
+    // open, as `/dev/stdout` may be, has its reader.
+    let is_pipe = |path: PathBuf| fs::symlink_metadata(path).map(|m| m.file_type().is_fifo());
+    (!is_open && end.and_then(is_pipe).unwrap_or(false)).then_some("a named pipe")
 }
 
 /// The folder that a file lies in.
@@ -307,13 +333,22 @@ mod tests {
     fn a_named_pipe_is_refused() {
         let dir = tempfile::tempdir().expect("a temporary folder");
         let path = dir.path().join("pipe.png");
+        let link = dir.path().join("link.png");
+        std::os::unix::fs::symlink("pipe.png", &link).expect("a link");
         let made = std::process::Command::new("mkfifo").arg(&path).status();
         if !made.is_ok_and(|status| status.success()) {
             eprintln!("skipped: there is no mkfifo");
             return;
         }
-        let refused = Aside::begin(&path).map(drop).expect_err("a pipe");
-        assert!(refused.to_string().contains("named pipe"), "{refused}");
+        let begun = |path: &Path| Aside::begin(path).map(drop);
+        for path in [&path, &link] {
+            let refused = begun(path).expect_err("a pipe").to_string();
+            assert!(refused.contains("named pipe"), "{refused}");
+        }
+        let input = dir.path().join("input.png");
+        std::os::unix::fs::symlink("/dev/stdin", &input).expect("a link");
+        let refused = begun(&input).expect_err("the input").to_string();
+        assert!(refused.contains("standard input"), "{refused}");
     }
 
     #[test]

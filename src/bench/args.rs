@@ -53,7 +53,7 @@ pub(crate) enum BenchCommand {
     ///
     /// A hundred textures are a large kernel: software drivers take many minutes to compile it.
     Kernel {
-        /// No kernel holds more textures than this, but for up to thirteen where hits are measured.
+        /// No kernel holds more textures than this, besides the three whose hits are measured.
         #[arg(
             long,
             value_name = "N",
@@ -295,7 +295,7 @@ pub(crate) struct MethodsArgs {
     #[arg(value_parser = words(How::ALL.map(How::name)))]
     pub(crate) methods: Vec<String>,
 
-    /// A converged picture to compare with: .exr, .hdr or .patina-film. Without it one is rendered by paths.
+    /// A converged picture to compare with, of linear light: .exr, .hdr or .patina-film. Without it one is rendered by paths.
     #[arg(long, value_name = "FILE")]
     pub(crate) reference: Option<PathBuf>,
 

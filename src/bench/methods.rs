@@ -5,9 +5,11 @@ use std::path::Path;
 use std::time::Duration;
 
 use device::Device;
+use engine::input;
 use engine::renderer::RenderSettings;
 use patina_bench::methods::{self as bench, How, Setup};
 use patina_bench::report::methods::MethodsFigures;
+use pictures::Facts;
 
 use crate::failure::Failure;
 use crate::progress::Bar;
@@ -24,6 +26,9 @@ const USUAL: Amount = Amount {
     spp: 1024,
     runs: 1,
 };
+
+/// Formats of linear light, as [`Facts`] calls them.
+const LINEAR: [&str; 2] = ["OpenEXR", "Radiance HDR"];
 
 /// The most samples on a GPU, which takes no longer for them.
 const ON_A_GPU: u32 = 16_384;
@@ -93,6 +98,11 @@ pub(super) fn run(job: &MethodsJob) -> Result<(), Failure> {
     let measured = measured.map_err(Failure::because)?;
     interrupt::writes_results();
     bar.finish();
+    if interrupt::requested() && !measured.has_figures() {
+        // What an earlier measurement wrote is worth more.
+        console::warning(interrupt::NOTHING);
+        return Err(Failure::Interrupted);
+    }
 
     let figures = MethodsFigures {
         conditions: report::conditions(&job.effort, amount, &device),
@@ -119,9 +129,33 @@ pub(super) fn run(job: &MethodsJob) -> Result<(), Failure> {
     }
 }
 
-/// A converged picture: columns and rows, and colours.
+/// The format of a picture whose numbers are codes of a screen; `None` of linear ones.
+///
+/// # Errors
+/// It can't be read.
+fn encoded(path: &Path) -> Result<Option<String>, Failure> {
+    if picture::is_film(path)? {
+        return Ok(None);
+    }
+    let bytes = input::read(path, picture::MAX_FILE);
+    let facts = Facts::read(&bytes.map_err(|error| picture::unread(path, error))?);
+    let format = facts.map_err(Failure::because)?.format;
+    Ok((!LINEAR.contains(&format.as_str())).then_some(format))
+}
+
+/// A converged picture of linear light: columns and rows, and colours.
+///
+/// # Errors
+/// It can't be read, has no colours, or other ones.
 fn reference(path: &Path) -> Result<([usize; 2], Vec<[f32; 3]>), Failure> {
     let layer = picture::layer(path, None)?;
+    if let Some(format) = encoded(path)? {
+        let path = path.display();
+        return Err(Failure::Failed(format!(
+            "{path}: {format} files hold what a screen shows, rounded and cut off at white; --reference takes a picture of linear light: \
+             .exr, .hdr or .patina-film"
+        )));
+    }
     let [Some(red), Some(green), Some(blue)] = [0, 1, 2].map(|at| layer.channels.get(at)) else {
         let path = path.display();
         return Err(Failure::Failed(format!("{path}: it has no colours")));

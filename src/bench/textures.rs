@@ -51,8 +51,8 @@ struct Prepared {
     camera: Camera,
 }
 
-/// Measures, prints a table for each number of AO rays and each sweep, and writes the reports. A sweep that fails is told of in them,
-/// and in the end.
+/// Measures, prints a table for each number of AO rays and each sweep, and writes the reports, anew after each sweep. A sweep that
+/// fails is told of in them, and in the end.
 ///
 /// # Errors
 /// A scene or look that can't be loaded, textures that are missing, no device, pictures that differ between the forms, a sweep
@@ -104,38 +104,34 @@ pub(super) fn run(job: &TexturesJob) -> Result<(), Failure> {
     let compared = bench::compare(&device, &setup, || bar.step()).map_err(Failure::because)?;
     let share = coverage::measure(&device, setup.scene, setup.material, &setup.settings);
     let coverage = share.map_err(Failure::because)?;
-    interrupt::has_results();
-    let swept = job.sweeps.iter().map(|&what| {
-        bar.stage(what.name());
-        sweeps::sweep(&device, &setup, what, || bar.step())
-    });
-    let swept: Vec<_> = swept.collect();
-    interrupt::writes_results();
-    bar.finish();
-
-    let figures = Figures {
+    let mut figures = Figures {
         conditions: report::conditions(&job.effort, amount, &device),
         triangles: prepared.scene.instanced_triangles(),
         scene: prepared.name,
-        material: prepared.material,
+        material: prepared.material.clone(),
         coverage,
         results: compared.results,
         absent: compared.absent.into_iter().chain(left_out).collect(),
         statistics_device: compared.statistics_device,
         statistics_absent: compared.statistics_absent,
-        sweeps: swept,
+        sweeps: Vec::new(),
         paper: &paper::TABLE,
     };
-    console::print(&figures.table());
-    report::write(&job.effort, &figures)?;
+    // All that is finished is written before a sweep begins: a driver that compiles for its kernels isn't waited for after a signal.
+    interrupt::writes_results();
+    bar.suspend(|| console::print(&figures.table()));
+    write(job, &figures)?;
+    for &what in &job.sweeps {
+        interrupt::goes_on();
+        bar.stage(what.name());
+        let swept = sweeps::sweep(&device, &setup, what, || bar.step());
+        interrupt::writes_results();
+        bar.suspend(|| console::print(&swept.table()));
+        figures.sweeps.push(swept);
+        write(job, &figures)?;
+    }
+    bar.finish();
     for report in &job.reports {
-        let text = match report.format {
-            ReportFormat::Html => page::html(&figures).map_err(Failure::because)?,
-            ReportFormat::Json => figures.json().map_err(Failure::because)?,
-            ReportFormat::Svg => charts::increases(&figures).map_err(Failure::because)?,
-        };
-        output::write_aside(&report.path, |file| file.write_all(text.as_bytes()))
-            .map_err(Failure::because)?;
         console::note(&format!("wrote {}", report.path.display()));
     }
     if interrupt::requested() {
@@ -149,6 +145,24 @@ pub(super) fn run(job: &TexturesJob) -> Result<(), Failure> {
         Some(failed) => Err(Failure::Failed(failed)),
         None => Ok(()),
     }
+}
+
+/// Writes what there is.
+///
+/// # Errors
+/// A file that can't be written, a chart or a picture that can't be made.
+fn write(job: &TexturesJob, figures: &Figures) -> Result<(), Failure> {
+    report::write(&job.effort, figures)?;
+    for report in &job.reports {
+        let text = match report.format {
+            ReportFormat::Html => page::html(figures).map_err(Failure::because)?,
+            ReportFormat::Json => figures.json().map_err(Failure::because)?,
+            ReportFormat::Svg => charts::increases(figures).map_err(Failure::because)?,
+        };
+        output::write_aside(&report.path, |file| file.write_all(text.as_bytes()))
+            .map_err(Failure::because)?;
+    }
+    Ok(())
 }
 
 /// Opens the device. If no forms were named they are all of them, but on a software driver not the one that such drivers

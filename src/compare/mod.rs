@@ -3,6 +3,7 @@
 
 pub(crate) mod args;
 pub(crate) mod job;
+mod stripes;
 
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -18,14 +19,16 @@ use job::{CompareJob, Most};
 /// Compares, tells, and judges.
 ///
 /// # Errors
-/// A picture can't be read or has no such layer, they differ in size, or they are further apart than they may be.
+/// A picture can't be read or has no such layer, there isn't the memory for them, they differ in size, or they are further apart than they
+/// may be.
 pub(crate) fn run(job: &CompareJob) -> Result<(), Failure> {
     let written: Vec<PathBuf> = job.diff.iter().map(|diff| diff.path.clone()).collect();
     output::check_all(&written, &[job.picture.clone(), job.reference.clone()])?;
+    stripes::check(job)?;
     let judged = picture::placed(&job.picture, job.layer.as_deref())?;
     let by = picture::placed(&job.reference, job.layer.as_deref())?;
     let (layer, reference) = (judged.layer, by.layer);
-    let distance = Distance::between(&layer, &reference, job.exposure).map_err(|error| {
+    let distance = stripes::distance(&layer, &reference, job.exposure).map_err(|error| {
         Failure::Failed(format!(
             "{} and {}: {error}",
             job.picture.display(),

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use engine::load;
 use engine::scene::import;
 use engine::scene::look::{Look, MaterialLook};
-use engine::scene::material_parameters::{Constant, PARAMETERS};
+use engine::scene::material_parameters::{Constant, Number, PARAMETERS, Parameter, Takes, Unit};
 use engine::scene::{
     Animation, Camera, Environment, Image, LightKind, Material, Mesh, Projection, PunctualLight,
     Scene, TEXTURES,
@@ -300,7 +300,7 @@ impl MaterialInfo {
 impl ImageInfo {
     fn of(image: &Image) -> Self {
         Self {
-            name: image.name.clone(),
+            name: image.short_name().to_owned(),
             width: image.width,
             height: image.height,
             srgb: image.srgb,
@@ -411,7 +411,7 @@ impl Unused {
                 .collect(),
             images: images
                 .filter(|(index, _)| !used.contains(index) && !nodes_read)
-                .map(|(_, image)| image.name.clone())
+                .map(|(_, image)| image.short_name().to_owned())
                 .collect(),
             nodes: look.map(unused_nodes).unwrap_or_default(),
             look_materials: tables
@@ -508,7 +508,7 @@ fn constants(material: &Material, look: Option<&Driven>) -> Vec<(&'static str, S
         (Some(constant) != parameter.default()).then(|| {
             let text = match constant {
                 Constant::Color(color) => numbers(&color.to_array()),
-                Constant::Number(value) => number(value),
+                Constant::Number(value) => number(as_written(parameter, value)),
                 Constant::Flag(flag) => flag.to_string(),
                 Constant::Word(word) => word.to_owned(),
             };
@@ -518,13 +518,24 @@ fn constants(material: &Material, look: Option<&Driven>) -> Vec<(&'static str, S
     changed.collect()
 }
 
+/// A number of a material as a look has it, where angles are degrees.
+fn as_written(parameter: &Parameter, value: f32) -> f32 {
+    match parameter.takes {
+        Takes::Number(Number {
+            unit: Unit::Degrees,
+            ..
+        }) => value.to_degrees(),
+        _ => value,
+    }
+}
+
 /// A material's textures by name.
 fn images(material: &Material, scene: &Scene) -> Vec<(&'static str, String)> {
     let named = TEXTURES.into_iter().zip(material.textures());
     named
         .filter_map(|(name, texture)| {
             let image = scene.images.get((*texture)?.image as usize)?;
-            Some((name, image.name.clone()))
+            Some((name, image.short_name().to_owned()))
         })
         .collect()
 }
@@ -623,6 +634,26 @@ mod tests {
         ] {
             assert!(text.contains(wanted), "{wanted}:\n{text}");
         }
+    }
+
+    /// A look reads `model:0` and `model:paint.png`.
+    #[test]
+    fn images_have_the_names_that_a_look_has_for_them() {
+        let mut scene = scene();
+        scene.images = vec![image("image 0"), image("image 1 \"paint.png\"")];
+        let info = SceneInfo::of(Path::new("a.glb"), &scene, &[], None);
+        let names: Vec<&str> = info.images.iter().map(|i| i.name.as_str()).collect();
+        assert_eq!(names, ["0", "paint.png"]);
+        assert_eq!(info.materials[0].images[0].1, "paint.png");
+        assert_eq!(info.unused.images, ["0"]);
+    }
+
+    #[test]
+    fn angles_are_in_degrees_as_in_a_look() {
+        let mut scene = scene();
+        scene.materials[0].anisotropy_rotation = 45f32.to_radians();
+        let text = SceneInfo::of(Path::new("a.glb"), &scene, &[], None).text();
+        assert!(text.contains("anisotropy_rotation = 45"), "{text}");
     }
 
     #[test]

@@ -201,6 +201,13 @@ impl RenderJob {
         let shown_layers = parse_layers(&args.layers, &outputs)?;
         form.check(&shown_layers)
             .map_err(|error| form::refused("--exr-compression", &error))?;
+        let coverage = Some("alpha").filter(|_| args.transparent);
+        let of_files = shown_layers.with(coverage);
+        form::check(
+            &args.form,
+            &outputs,
+            of_files.as_ref().unwrap_or(&shown_layers),
+        )?;
         let filter = parse_word(
             "--filter",
             &args.filter,

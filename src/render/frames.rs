@@ -19,7 +19,8 @@ use super::alone::Scene;
 use super::pieces::{self, Division};
 use super::reel::Reel;
 use super::{
-    Ended, Rest, Start, Told, beside, check, end, inputs, spare_inputs, view_of, write, written,
+    Ended, Rest, Start, Told, beside, check, end, inputs, missed, spare_inputs, view_of, write,
+    written,
 };
 
 /// Renders all frames.
@@ -76,7 +77,12 @@ pub(super) fn run(job: &RenderJob) -> Result<(), Failure> {
             .filter(|warning| told.insert(warning.render()));
         let news = news.cloned().collect();
         bar.suspend(|| console::diagnostics(&news));
-        let own = own.for_scene(&first.opening.loaded().scene);
+        let asked = own;
+        let own = asked.for_scene(&first.opening.loaded().scene);
+        let news = missed(&asked, &own).filter(|warning| told.insert((*warning).to_owned()));
+        if let Some(warning) = news {
+            bar.suspend(|| console::warning(warning));
+        }
         output::check_all(&written, &first.opening.files())?;
         let view = view_of(job, &first);
         let says = Told::new(&own, &first.opening.loaded().scene, clock);

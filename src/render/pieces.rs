@@ -21,6 +21,7 @@ use engine::stats::{DeviceFacts, Stats};
 use crate::accuracy::{Accuracy, method_flag};
 use crate::failure::Failure;
 use crate::job::{Limits, RenderJob};
+use crate::left;
 use crate::memory::Need;
 use crate::motion::Sight;
 use crate::progress::Bar;
@@ -65,7 +66,7 @@ pub(super) fn plan(
         let devices = std::slice::from_ref(gpu);
         Need::of(job, &settings, &loaded.scene, &loaded.procedural, devices)
     };
-    let left = memory::left();
+    let left = left::left();
     let fits = |job: &RenderJob, need: &Need| {
         let device = gpu.description();
         let most = device.max_storage_binding.min(device.max_buffer);

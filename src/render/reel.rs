@@ -11,6 +11,7 @@ use glam::{Affine3A, DAffine3, DQuat, DVec3, Mat3, Vec3};
 
 use crate::failure::Failure;
 use crate::job::RenderJob;
+use crate::memory;
 use crate::motion::Sight;
 use crate::overrides::Overrides;
 
@@ -50,7 +51,7 @@ impl Reel {
     /// Reads the look, and which animations there are where one is asked for.
     ///
     /// # Errors
-    /// What can't be read; an animation that isn't there.
+    /// What can't be read, an environment that there is no memory for; an animation that isn't there.
     pub(super) fn open(job: &RenderJob, inputs: Inputs) -> Result<Self, Failure> {
         let said = Said {
             look: inputs.look.clone(),
@@ -59,6 +60,7 @@ impl Reel {
         said.overrides.check_names(said.look.as_deref())?;
         let sequence = Sequence::read(inputs, System::default(), &said.overrides.edits);
         let mut sequence = sequence.map_err(|error| said.failure(error))?;
+        memory::check_environment(job)?;
         if let Some(wanted) = &job.motion.animation {
             let animations = sequence.animations()?;
             let names: Vec<&str> = animations.iter().map(|a| a.name.as_str()).collect();

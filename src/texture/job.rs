@@ -1,8 +1,9 @@
 //! Validated jobs of `patina texture`: names, numbers and pairs are understood here, and nothing is opened.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use device::DeviceChoice;
+use engine::aside;
 
 use crate::usage::UsageError;
 use crate::words::{Output, parse_device, parse_number, parse_output};
@@ -157,7 +158,7 @@ impl TextureJob {
                 files,
                 texture_dirs: folders.texture_dirs,
             }),
-            TextureCommand::Inspect(args) => Self::Inspect(InspectJob::from_args(args)),
+            TextureCommand::Inspect(args) => Self::Inspect(InspectJob::from_args(args)?),
             TextureCommand::Eval(args) => Self::Eval(EvalJob::from_args(args)?),
             TextureCommand::Preview(args) => Self::Preview(PreviewJob::from_args(args)?),
             TextureCommand::New {
@@ -179,8 +180,11 @@ impl TextureJob {
 }
 
 impl InspectJob {
-    fn from_args(args: InspectArgs) -> Self {
-        Self {
+    fn from_args(args: InspectArgs) -> Result<Self, UsageError> {
+        if let Some(name) = &args.name {
+            refuse_file(name)?;
+        }
+        Ok(Self {
             subject: match (args.name, args.look) {
                 (_, Some(look)) => Inspected::Look(look),
                 // clap demands one of the two.
@@ -188,7 +192,7 @@ impl InspectJob {
             },
             part: args.part,
             texture_dirs: args.folders.texture_dirs,
-        }
+        })
     }
 }
 
@@ -204,6 +208,10 @@ impl TargetJob {
                 example: "--set scale=3",
             }),
         };
+        // Nodes of a look may be called as they like.
+        if args.look.is_none() {
+            refuse_file(&args.name)?;
+        }
         Ok(Self {
             name: args.name,
             look: args.look,
@@ -258,6 +266,19 @@ impl PreviewJob {
             is_material,
             target,
         })
+    }
+}
+
+/// A file is no name: what it uses is found only where its folder is searched.
+fn refuse_file(name: &str) -> Result<(), UsageError> {
+    let path = Path::new(name);
+    match (path.extension(), path.file_stem()) {
+        (Some(ending), Some(stem)) if ending == "wgsl" => Err(UsageError::TextureFile {
+            given: path.to_owned(),
+            name: stem.to_string_lossy().into_owned(),
+            folder: aside::folder_of(path).to_owned(),
+        }),
+        _ => Ok(()),
     }
 }
 
@@ -351,6 +372,16 @@ mod tests {
         assert_eq!(parse_range(".5 .. 2."), Ok([0.5, 2.0]));
         for bad in ["", "1", "1..", "1..1", "2..1", "nan..1", "0..inf"] {
             assert!(parse_range(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn a_file_is_no_name_of_a_texture() {
+        let said = |name| refuse_file(name).expect_err(name).to_string();
+        assert!(said("a.wgsl").ends_with("write `a --textures .`"));
+        assert!(said("/b c/a.wgsl").ends_with("write `a --textures /b c`"));
+        for name in ["a", "a.color", "wgsl"] {
+            assert_eq!(refuse_file(name), Ok(()), "{name}");
         }
     }
 

@@ -212,6 +212,49 @@ fn a_reference_is_not_overwritten_however_it_is_spelled() {
     assert_eq!(kept, "a picture");
 }
 
+#[test]
+fn a_reference_is_a_picture_of_linear_light() {
+    let bench = Bench::new();
+    super::compare::grey(&bench, "ref.png", [8, 8], 128);
+    // Whatever its name says.
+    fs::copy(bench.path("ref.png"), bench.path("ref.exr")).expect("copied");
+    for name in ["ref.png", "ref.exr"] {
+        bench
+            .run(&format!("bench methods --size 8x8 --reference {name}"))
+            .expect_error(1, "PNG files hold what a screen shows");
+    }
+}
+
+#[test]
+fn a_comparison_of_textures_is_written_before_its_sweeps() {
+    if !device() {
+        return;
+    }
+    let bench = Bench::new();
+    let textures = concat!(env!("CARGO_MANIFEST_DIR"), "/user_textures");
+    // A driver may be compiling for a sweep when a signal comes, and isn't waited for then.
+    let mut command = bench.command(&format!(
+        "bench textures --scene triangle.gltf --material Glow --modes stack --size 16x16 --spp 4 --runs 1 \
+         --ao-rays 1 --sweep bounces,ao -o r.json --textures {textures}"
+    ));
+    command.stdout(Stdio::piped()).stderr(Stdio::null());
+    let mut child = command.spawn().expect("patina starts");
+    let lines = std::io::BufReader::new(child.stdout.take().expect("piped"));
+    let mut told = std::io::BufRead::lines(lines).map_while(Result::ok);
+    // The first sweep is done, the second isn't.
+    let is_begun = told.any(|line| line.contains("most scattering points"));
+    child.kill().expect("killed");
+    child.wait().expect("it ends");
+    assert!(is_begun, "it has ended before");
+    let text = fs::read_to_string(bench.path("r.json")).expect("it was written");
+    let report: serde_json::Value = serde_json::from_str(&text).expect("it is JSON");
+    assert!(
+        report["results"]
+            .as_array()
+            .is_some_and(|rows| !rows.is_empty())
+    );
+}
+
 #[cfg(unix)]
 #[test]
 fn measurements_that_are_interrupted_give_what_there_is() {

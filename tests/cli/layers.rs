@@ -29,6 +29,15 @@ fn layers_are_named_on_the_command_line() {
     bench
         .run("render triangle.gltf --layers depth -o a.png")
         .expect_error(2, ".exr");
+    for flags in ["--exr-float all", "--exr-half depth", "--metadata a=b"] {
+        let flag = flags.split(' ').next().unwrap_or_default();
+        bench
+            .run(&format!("render triangle.gltf {flags} -o a.png"))
+            .expect_error(2, flag);
+    }
+    bench
+        .run("render triangle.gltf --exr-float depth -o a.exr")
+        .expect_error(2, "--layers depth");
 }
 
 #[test]
@@ -51,6 +60,9 @@ fn what_nothing_covers_is_transparent_in_renders_and_merges() {
     let merged = contents(&bench.path("m.exr")).0;
     assert!(merged.contains(&"ViewLayer.Combined.A".to_owned()));
     assert_eq!(contents(&bench.path("a.exr")).0, ["A", "B", "G", "R"]);
+    bench
+        .run("compare a.patina-film a.exr --max-relative-mse 1e-6 --max-flip 0.01")
+        .expect_code(0);
     let picture = image::open(bench.path("a.png")).expect("a picture");
     let picture = picture.as_rgba8().expect("it has an alpha");
     assert_eq!(picture.get_pixel(0, 0).0, [0; 4], "a corner");
@@ -73,7 +85,12 @@ fn groups_of_lights_are_named_by_the_look() {
     fs::write(bench.path("groups.look.toml"), look).expect("written");
     let render = "render triangle.gltf --look groups.look.toml --size 9x9 --spp 2 --layers light_groups -o g.exr";
     bench.run(render).expect_code(0);
-    let (channels, _) = contents(&bench.path("g.exr"));
+    let caught = bench.run(&render.replace("light_groups", "shadow_catcher"));
+    let caught = caught.expect_code(0).stderr;
+    assert!(caught.contains("no material is a"), "{caught}");
+    bench.run(render).expect_code(0);
+    let (channels, facts) = contents(&bench.path("g.exr"));
+    assert!(facts.contains(&"patina:roulette".to_owned()), "{facts:?}");
     let groups = ["Combined", "Combined_rest", "Combined_sky"];
     let expected = groups.map(|group| ["B", "G", "R"].map(|c| format!("ViewLayer.{group}.{c}")));
     assert_eq!(channels, expected.as_flattened());

@@ -125,6 +125,19 @@ fn memory_is_stated_before_a_render_and_refused_where_it_is_too_much() {
     refused.expect_error(1, "pieces of 4096x8");
 }
 
+/// What the first lines of its file claim is enough for that: there is no more of it.
+#[test]
+fn a_large_environment_is_refused_before_it_is_read() {
+    let bench = Bench::new();
+    let head = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 8192 +X 16384\n";
+    fs::write(bench.path("sky.hdr"), head).expect("written");
+    let line = "render triangle.gltf --environment sky.hdr --spp 1 -o a.png";
+    let refused = bench.run(&format!("{line} --memory 1G"));
+    let said = refused.expect_error(1, "more than --memory 1.0 GiB").stderr;
+    assert!(said.contains("16384x8192") && said.contains("scale it down"));
+    assert!(!bench.path("a.png").exists());
+}
+
 #[test]
 fn parts_fit_wherever_the_textures_lie() {
     if !device() {

@@ -9,6 +9,7 @@ use std::collections::HashMap;
 use naga::{Block, Function, Handle, Module, Statement};
 
 use crate::diagnostic::{Diagnostic, SourceFile};
+use crate::rewrite::plainly_short;
 use crate::scope::Outline;
 
 /// As deep is warned of: the kernel around a texture takes a part of the 80.
@@ -21,33 +22,51 @@ pub(crate) fn warnings(
     module: &Module,
 ) -> Vec<Diagnostic> {
     let mut depths = HashMap::new();
+    let mut guards = guards(outline);
     let mut found = Vec::new();
     // naga has callees before their callers.
     for (handle, function) in module.functions.iter() {
+        let name = function.name.as_deref().unwrap_or_default();
         let mut walk = Walk {
             depths: &depths,
+            guards: guards.remove(name).unwrap_or_default().into_iter(),
             deepest: 0,
             calls_deep: false,
         };
         walk.block(&function.body, 0, &mut Leaves::default());
         let (depth, is_told) = (walk.deepest, walk.calls_deep);
         depths.insert(handle, depth);
-        let name = function.name.as_deref().unwrap_or_default();
         if depth < DEEP || is_told {
             continue;
         }
         if let Some(decl) = outline.function(name) {
             let message = format!(
-                "`{name}` is nested {depth} deep, counting what it calls, and what follows an early `return`, `break` or `continue` as nested: Mesa's llvmpipe gives wrong values beyond 80"
+                "`{name}` is nested {depth} deep, counting what it calls, and what follows an early `return`, `break` or `continue` as nested, also behind loops without literal bounds: Mesa's llvmpipe gives wrong values beyond 80"
             );
             found.push(
                 Diagnostic::warning(message)
                     .with_label(file, outline.span(decl.name), "")
-                    .with_note("assign to a variable in the place of each early `return`, and choose by a `switch` whose cases only assign"),
+                    .with_note("assign to a variable in the place of each early `return`, and choose by a `switch` whose cases only assign; give loops literal bounds, as in `for (var i = 0; i < 8; i++)`"),
             );
         }
     }
     found
+}
+
+/// How the guard that the kernel has at the beginning of each loop that isn't plainly short leaves it, for the loops of each function,
+/// by its name: outer loops before those in them, as naga has them.
+fn guards<'a>(outline: &Outline<'a>) -> HashMap<&'a str, Vec<Leaves>> {
+    let mut by_function: HashMap<&str, Vec<Leaves>> = HashMap::new();
+    for (the_loop, is_short) in outline.loops.iter().zip(plainly_short(outline)) {
+        let guard = Leaves {
+            returns: !is_short && !the_loop.in_continuing,
+            breaks: !is_short && the_loop.in_continuing,
+            continues: false,
+        };
+        let name = outline.word(outline.functions[the_loop.function].name);
+        by_function.entry(name).or_default().push(guard);
+    }
+    by_function
 }
 
 /// How a block is left early.
@@ -74,6 +93,8 @@ impl Leaves {
 struct Walk<'d> {
     /// Of the functions that it may call.
     depths: &'d HashMap<Handle<Function>, usize>,
+    /// Of the loops that it hasn't come to yet.
+    guards: std::vec::IntoIter<Leaves>,
     /// How deep its deepest statement lies.
     deepest: usize,
     /// It calls a function that is too deep by itself.
@@ -122,8 +143,10 @@ impl Walk<'_> {
                 Statement::Loop {
                     body, continuing, ..
                 } => {
-                    let mut of_loop = Leaves::default();
-                    self.block(body, now + 1, &mut of_loop);
+                    // What naga was given has no guards.
+                    let mut of_loop = self.guards.next().unwrap_or_default();
+                    let inside = now + 1 + usize::from(of_loop.any());
+                    self.block(body, inside, &mut of_loop);
                     self.block(continuing, now + 1, &mut Leaves::default());
                     now += usize::from(of_loop.returns);
                     leaves.returns |= of_loop.returns;

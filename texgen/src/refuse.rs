@@ -173,13 +173,32 @@ struct Depth {
     inner: usize,
     /// Of all up to the last separator.
     before: usize,
-    /// How many of the tokens since then are `else`.
-    branches: usize,
+    /// Of the longest branch since then, where branches are told apart.
+    branch: usize,
 }
 
 impl Depth {
     fn whole(self) -> usize {
-        self.before.max(self.chain + self.inner)
+        self.before.max(self.statement())
+    }
+
+    /// Of what was read since the last separator.
+    fn statement(self) -> usize {
+        self.branch.max(self.chain + self.inner)
+    }
+
+    /// Begins a branch that doesn't count with the former one.
+    fn part(&mut self) {
+        *self = Self {
+            before: self.before,
+            branch: self.statement(),
+            ..Self::default()
+        };
+    }
+
+    fn bracket(&mut self, inner: usize) {
+        self.chain += 1;
+        self.inner = self.inner.max(inner);
     }
 
     fn separate(&mut self) {
@@ -201,30 +220,41 @@ struct TooLong {
 /// Finds an expression or a statement that is longer than compilers survive.
 fn too_long_a_chain(outline: &Outline<'_>) -> Option<TooLong> {
     let mut depth = Depth::default();
+    // The same if what is behind an `else` didn't count with what is before.
+    let mut apart = Depth::default();
     let mut outer = Vec::new();
     for (at, token) in outline.tokens.tokens.iter().enumerate() {
         match token.text {
-            "(" | "[" | "{" => outer.push(std::mem::take(&mut depth)),
-            ")" | "]" | "}" => {
-                let inner = depth.whole();
-                depth = outer.pop().unwrap_or_default();
-                depth.chain += 1;
-                depth.inner = depth.inner.max(inner);
+            "(" | "[" | "{" => {
+                outer.push((std::mem::take(&mut depth), std::mem::take(&mut apart)));
             }
-            "," | ";" => depth.separate(),
+            ")" | "]" | "}" => {
+                let inner = [depth.whole(), apart.whole()];
+                (depth, apart) = outer.pop().unwrap_or_default();
+                depth.bracket(inner[0]);
+                apart.bracket(inner[1]);
+            }
+            "," | ";" => {
+                depth.separate();
+                apart.separate();
+            }
             _ => {
                 depth.chain += 1;
-                depth.branches += usize::from(token.text == "else");
+                apart.chain += 1;
+                if token.text == "else" {
+                    apart.part();
+                }
             }
         }
         if depth.whole() > MAX_CHAIN {
-            // Of a few branches it is a condition that is long.
-            let is_of_branches = depth.branches * 20 > depth.chain;
+            // Where one of its conditions is long, that one is told.
+            let is_of_branches = apart.statement() <= MAX_CHAIN / 2;
             return Some(TooLong { at, is_of_branches });
         }
         // Each `else if` is within the former one.
         if token.text == "}" && outline.word(at + 1) != "else" {
             depth.separate();
+            apart.separate();
         }
     }
     None

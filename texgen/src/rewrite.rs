@@ -398,8 +398,8 @@ fn functions_that_loop(outline: &Outline<'_>) -> Vec<bool> {
 /// Loops of at most this many iterations, nested ones multiplied, run without a guard.
 const SHORT: i64 = 64;
 
-/// For each loop whether it counts with literals over few iterations and calls nothing that loops.
-fn plainly_short(outline: &Outline<'_>) -> Vec<bool> {
+/// For each loop whether it counts with literals over few iterations and calls nothing that loops: then it has no guard.
+pub(crate) fn plainly_short(outline: &Outline<'_>) -> Vec<bool> {
     let looping = functions_that_loop(outline);
     let calls_looping = |the_loop: &LoopDecl| {
         let calls = outline.calls(the_loop.body.clone());

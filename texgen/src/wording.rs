@@ -310,6 +310,10 @@ fn of_first_steps(message: &str, place: usize, outline: &Outline<'_>) -> Option<
 /// What to do about what naga says where it works out values as it reads: it doesn't show them.
 const OF_VALUES: &[(&str, &str)] = &[
     (
+        "the concrete type `u32` cannot represent the abstract value `-",
+        "`u32` has no numbers below 0: convert what meets this one by `i32(...)`, vectors by `vec3i(...)`",
+    ),
+    (
         "cannot apply the binary op",
         "both sides must be of one type, or a vector and a number of its type: convert one, as by `f32(...)`",
     ),

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use crate::spread::Spread;
-use crate::sweeps::SweepReport;
+use crate::sweeps::{LeftOut, SweepReport};
 use crate::textures::{Absent, TextureResult};
 use engine::stats::grouped;
 use serde::Serialize;
@@ -144,6 +144,14 @@ pub(super) fn value(value: f64) -> String {
     }
 }
 
+/// A value without points, as what it is.
+pub(super) fn value_left_out(left_out: &LeftOut) -> String {
+    match left_out.setting {
+        Some(setting) => format!("{setting} {}", left_out.value),
+        None => value(left_out.value),
+    }
+}
+
 fn write_row(text: &mut String, row: &TextureResult) {
     let increase = match row.texture {
         "gray" => String::new(),
@@ -163,6 +171,15 @@ fn write_row(text: &mut String, row: &TextureResult) {
     );
 }
 
+impl SweepReport {
+    /// For people, on a terminal: an empty line, and what [`Figures::table`] has of it.
+    pub fn table(&self) -> String {
+        let mut text = String::new();
+        write_sweep(&mut text, self);
+        text
+    }
+}
+
 fn write_sweep(text: &mut String, sweep: &SweepReport) {
     let _ = writeln!(text, "\n{}, {}", sweep.label, sweep.texture);
     let _ = writeln!(text, "{:>8}  {:<9}{:>10}  over grey", "", "form", "ms/spp");
@@ -177,7 +194,7 @@ fn write_sweep(text: &mut String, sweep: &SweepReport) {
         );
     }
     for left_out in &sweep.left_out {
-        let _ = writeln!(text, "{:>8}  {}", value(left_out.value), left_out.reason);
+        let _ = writeln!(text, "{:>8}  {}", value_left_out(left_out), left_out.reason);
     }
     for Absent { mode, reason } in &sweep.absent {
         let _ = writeln!(text, "{:>8}  {mode}: {reason}", "");

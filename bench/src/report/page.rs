@@ -10,7 +10,7 @@ use engine::stats::grouped;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::charts;
-use super::figures::{self, Figures, milliseconds, percent, value};
+use super::figures::{self, Figures, milliseconds, percent, value, value_left_out};
 use super::paper;
 
 /// Widest picture of the page, pixels.
@@ -255,7 +255,7 @@ fn sweep(sweep: &SweepReport) -> Result<Markup, PageError> {
                 }
                 @for left_out in &sweep.left_out {
                     tr {
-                        td { (value(left_out.value)) }
+                        td { (value_left_out(left_out)) }
                         td.name colspan="4" { "left out: " (left_out.reason) }
                     }
                 }

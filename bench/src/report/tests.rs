@@ -103,6 +103,7 @@ fn figures() -> Figures {
                 ],
                 left_out: vec![LeftOut {
                     value: 100.0,
+                    setting: None,
                     reason: "it takes too long".to_owned(),
                 }],
                 absent: Vec::new(),
@@ -113,7 +114,11 @@ fn figures() -> Figures {
                 label: "share of the picture covered, percent",
                 texture: "rust",
                 points: vec![point(4, 12.5, "stack")],
-                left_out: Vec::new(),
+                left_out: vec![LeftOut {
+                    value: 0.25,
+                    setting: Some("zoom"),
+                    reason: "it can't be seen".to_owned(),
+                }],
                 absent: Vec::new(),
                 ended: Some("it <failed>".to_owned()),
             },
@@ -268,6 +273,7 @@ fn json_has_plain_numbers_under_the_promised_names() {
     assert!(points[2]["increase_percent"].is_number());
     assert!(points[2]["gray_ms_per_spp_low"].is_number());
     assert_eq!(json["sweeps"][0]["left_out"][0]["value"], 100.0);
+    assert_eq!(json["sweeps"][1]["left_out"][0]["setting"], "zoom");
     assert_eq!(json["coverage"], 0.125);
     assert_eq!(json["absent"][0]["mode"], "rayquery");
     assert_eq!(json["commit"], "0123456789ab");
@@ -306,7 +312,8 @@ fn the_table_shows_forms_that_are_absent_and_values_left_out() {
     let table = figures().table();
     for words in [
         "no ray queries",
-        "it takes too long",
+        "     100  it takes too long",
+        "zoom 0.25  it can't be seen",
         "further values left out: it <failed>",
         "paint & varnish covers 12.5 %",
         "16 AO rays",

@@ -39,7 +39,9 @@ fn measured(device: &Device, is_over: fn() -> bool) -> MethodsReport {
 #[test]
 fn pictures_come_nearer_to_the_converged_one() {
     let Some(device) = device::open() else { return };
-    for curve in measured(&device, || false).curves {
+    let report = measured(&device, || false);
+    assert!(report.has_figures());
+    for curve in report.curves {
         let samples: Vec<u32> = curve.points.iter().map(|point| point.spp).collect();
         assert_eq!(samples, [4, 6, 8, 12, 16], "{:?}", curve.how);
         let [first, .., last] = &curve.points[..] else {
@@ -55,5 +57,6 @@ fn what_is_ended_says_so_and_gives_what_there_is() {
     let report = measured(&device, || true);
     assert!(report.left_out.contains(&"interrupted".to_owned()));
     assert_eq!(report.curves.len(), 2);
+    assert!(!report.has_figures(), "no picture was done");
     assert_eq!(report.reference.len(), (SIDE * SIDE) as usize);
 }

@@ -14,8 +14,9 @@ const ARRIVED: usize = 7;
 
 /// What is kept of one pixel, as means of its samples.
 pub(super) struct Caught {
-    /// Share of the samples that meet a shadow catcher, 0 to 1.
-    pub(super) share: f64,
+    /// Share of the samples that meet a shadow catcher: with negative weights of the filter it may leave 0 to 1, as that of all surfaces
+    /// does.
+    weight: f64,
     /// Radiance of the catchers.
     pub(super) light: [f64; 3],
     shadowless: [f64; 3],
@@ -34,8 +35,7 @@ impl Film {
         };
         let color = |plane| std::array::from_fn(|channel| mean(plane + channel));
         Some(Caught {
-            // Filters with negative weights may leave that range.
-            share: mean(0).clamp(0.0, 1.0),
+            weight: mean(0),
             light: color(LIGHT),
             shadowless: color(SHADOWLESS),
             arrived: color(ARRIVED),
@@ -58,13 +58,26 @@ impl Film {
 impl Caught {
     fn factor(&self) -> [f32; 3] {
         let kept = |c| kept(self.shadowless[c], self.arrived[c]);
-        std::array::from_fn(|c| (1.0 - self.share * kept(c)) as f32)
+        std::array::from_fn(|c| (1.0 - self.share() * kept(c)) as f32)
+    }
+
+    fn shadow(&self) -> f64 {
+        self.share() * self.kept()
+    }
+
+    /// What of the catchers isn't seen, weighed as all surfaces are, so that nothing is left of both where there is no shadow.
+    pub(super) fn hidden(&self) -> f64 {
+        self.weight - self.weight * self.kept()
+    }
+
+    fn share(&self) -> f64 {
+        self.weight.clamp(0.0, 1.0)
     }
 
     /// By the brightness of what is kept.
-    pub(super) fn shadow(&self) -> f64 {
+    fn kept(&self) -> f64 {
         let brightness = |[r, g, b]: [f64; 3]| 0.2126 * r + 0.7152 * g + 0.0722 * b;
-        self.share * kept(brightness(self.shadowless), brightness(self.arrived))
+        kept(brightness(self.shadowless), brightness(self.arrived))
     }
 }
 
@@ -73,5 +86,32 @@ fn kept(shadowless: f64, arrived: f64) -> f64 {
     match shadowless > 0.0 {
         true => (1.0 - arrived / shadowless).clamp(0.0, 1.0),
         false => 0.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::film::Layers;
+
+    #[test]
+    fn what_a_filter_weighs_by_more_than_all_is_covered_once() {
+        let names = ["environment", "alpha", layers::SHADOW_CATCHER];
+        let mut film = Film::with_layers(3, 1, Layers::named(names).expect("known"));
+        // A catcher without a shadow, one in half a shadow, and something else: each by a weight of 1.25.
+        for (pixel, caught, arrived) in [(0, 1.25, 1.0), (1, 1.25, 0.5), (2, 0.0, 0.0)] {
+            film.add_sample(pixel, [1.25; 3]);
+            film.add_surface(pixel, 0, |layer| match layer.name {
+                "alpha" => [1.25, 0.0, 0.0],
+                layers::CAUGHT => [caught, 0.0, 0.0],
+                "caught_light" => [caught; 3],
+                "caught_shadowless" => [1.0; 3],
+                "caught_arrived" => [arrived; 3],
+                _ => [0.0; 3],
+            });
+        }
+        assert_eq!(film.alpha(), Some(vec![0.0, 0.625, 1.0]));
+        assert_eq!(film.foreground().expect("gathered")[2], [1.0; 3]);
+        assert_eq!(film.shadow(1), 0.5);
     }
 }

@@ -11,11 +11,12 @@ use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::LazyLock;
 
-use scene::{Scene, UNGROUPED};
+use scene::{LightSource, Scene, UNGROUPED};
 
 use super::PICTURE_PLANES;
 
-pub(super) use self::declaration::CAUGHT;
+use self::declaration::LIGHT_GROUP;
+pub(super) use self::declaration::{CAUGHT, ENVIRONMENT};
 pub use self::declaration::{
     LIGHT_GROUPS, Layer, MAX_CHANNELS, MAX_NODES, NODE, Rule, SHADOW_CATCHER, VECTOR,
 };
@@ -194,6 +195,13 @@ impl Layers {
         self.others.iter().any(|layer| layer.is_light())
     }
 
+    /// Whether groups of lights are among them.
+    fn have_groups(&self) -> bool {
+        self.others
+            .iter()
+            .any(|layer| layer.light_group().is_some())
+    }
+
     /// Whether groups of lights are among them, besides that of all light which is in none.
     pub(crate) fn have_light_groups(&self) -> bool {
         let mut groups = self.others.iter().filter_map(|layer| layer.light_group());
@@ -230,8 +238,8 @@ impl Layers {
         self.others.is_empty()
     }
 
-    /// The names of what a scene has to show in layers of ids, and of its groups of lights, by layer: for
-    /// [`Origin::names`](super::Origin::names). Where they are too many for the header of a file, those of groups alone.
+    /// The names of what a scene has to show in layers of ids, and of its groups of lights, by layer, and which of the latter is that of the
+    /// environment ([`Layer::is_of_environment`]): for [`Origin::names`](super::Origin::names). Where they are too many for the header of a file, those of groups alone.
     pub fn names(&self, scene: &Scene) -> BTreeMap<String, Vec<String>> {
         let mut bytes = 0;
         let mut names = BTreeMap::new();
@@ -241,6 +249,10 @@ impl Layers {
                 (Some(number), _) => {
                     let name = scene.light_groups.names().get(number - 1);
                     name.map(|name| vec![name.clone()])
+                }
+                (None, _) if layer.name == ENVIRONMENT && self.have_groups() => {
+                    let group = scene.light_groups.of(LightSource::Environment);
+                    Some(vec![format!("{LIGHT_GROUP}{group}")])
                 }
                 (None, Rule::Ids { names: of, .. }) => {
                     Some(of(scene).into_iter().map(str::to_owned).collect())
@@ -414,6 +426,14 @@ mod tests {
         let names = layers.names(&scene);
         assert_eq!(names["light_group_0"], [UNGROUPED]);
         assert_eq!(names["light_group_1"], ["sky"]);
+        assert!(!names.contains_key(ENVIRONMENT));
+        let layers = layers.with([ENVIRONMENT]).expect("known").of_scene(&scene);
+        let names = layers.names(&scene);
+        let of_environment = layers
+            .iter()
+            .filter(|layer| layer.is_of_environment(&names));
+        let of_environment: Vec<_> = of_environment.map(|layer| layer.name).collect();
+        assert_eq!(of_environment, ["light_group_1"]);
         assert!(known().contains(&LIGHT_GROUPS) && !known().contains(&"light_group_1"));
     }
 

@@ -100,7 +100,7 @@ impl Content<'_> {
     }
 
     /// How much of each pixel is covered, where that is wanted.
-    fn alpha(&self) -> Option<Vec<f32>> {
+    pub(crate) fn alpha(&self) -> Option<Vec<f32>> {
         self.transparent.then(|| self.film.alpha()).flatten()
     }
 }
@@ -127,12 +127,15 @@ pub struct Metadata {
 }
 
 /// Settings that headers have by the names of the command line, in the order in which they are looked at.
-const TOLD: [(&str, &str); 9] = [
+const TOLD: [(&str, &str); 12] = [
     ("size", "patina:size"),
     ("camera", "patina:camera"),
     ("filter", "patina:filter"),
     ("clamp", "patina:clamp"),
+    ("method", "patina:method"),
     ("estimator", "patina:estimator"),
+    ("roulette", "patina:roulette"),
+    ("energy-compensation", "patina:energyCompensation"),
     ("sampler", "patina:sampler"),
     ("time", "patina:time"),
     ("frame", "patina:frame"),
@@ -387,6 +390,19 @@ mod tests {
         for (name, _) in &metadata.facts {
             assert!(OWN.contains(name) || name.starts_with(OWN_PREFIX), "{name}");
             assert!(Form::USUAL.with_fact(name, "y").is_err(), "{name}");
+        }
+    }
+
+    #[test]
+    fn headers_say_how_light_was_found() {
+        let names = ["method", "roulette", "energy-compensation"];
+        let settings = names.map(|name| (name.to_owned(), "x".to_owned()));
+        let origin = Origin::new("", Path::new(""), None, settings.into());
+        let metadata = Metadata::of([1, 1], 1, &origin);
+        for name in ["method", "roulette", "energyCompensation"] {
+            let name = format!("{OWN_PREFIX}{name}");
+            let said = metadata.facts.iter().find(|(fact, _)| *fact == name);
+            assert!(said.is_some(), "{name}");
         }
     }
 

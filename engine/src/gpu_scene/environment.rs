@@ -1,6 +1,6 @@
 //! The environment on the GPU: its picture and the alias table by which directions are sampled.
 
-use device::{Device, DeviceError, Format, Image, Resources};
+use device::{Device, DeviceError, Format, Image, ImageUse, Resources};
 
 use crate::{
     alias::{AliasCell, alias_table},
@@ -13,7 +13,9 @@ use super::{
 };
 
 /// Largest sampling table; larger pictures are summed up into its cells.
-const MAX_TABLE: (u32, u32) = (1024, 512);
+pub(super) const MAX_TABLE: (u32, u32) = (1024, 512);
+/// Texels of the picture that are made ready for the device at once.
+pub(super) const STRIP: u32 = 1 << 20;
 /// Columns and rows of the table of a constant environment: each part of the sky has a column, and rows enough to follow the sine of the
 /// polar angle.
 const CONSTANT_TABLE: [u32; 2] = [SKY_PARTS[0], 256];
@@ -155,7 +157,6 @@ impl GpuEnvironment {
         turn: f32,
         (emits, is_even): (bool, bool),
     ) -> Result<Self, DeviceError> {
-        let texels: Vec<[f32; 4]> = image.rgb.iter().map(|c| [c[0], c[1], c[2], 1.0]).collect();
         let (in_parts, parts) = part_tables(weights, table_size);
         let whole = (alias_table(weights).into_iter()).map(|cell| (cell, table_size[0]));
         let cells: Vec<[u32; 4]> = whole
@@ -178,13 +179,7 @@ impl GpuEnvironment {
                 Format::Rgba32Float,
                 bytemuck::cast_slice(&rows),
             )?,
-            image: filled_image(
-                device,
-                "environment image",
-                [image.width, image.height],
-                Format::Rgba32Float,
-                bytemuck::cast_slice(&texels),
-            )?,
+            image: picture(device, image)?,
             table: filled_image(
                 device,
                 "environment table",
@@ -201,6 +196,25 @@ impl GpuEnvironment {
             parts,
         })
     }
+}
+
+/// The picture on the device. It goes there in strips of whole rows: at once it would take more room beside than it has itself.
+fn picture(device: &Device, image: &FloatImage) -> Result<Image, DeviceError> {
+    let size = [image.width, image.height, 1];
+    let there = device.image(
+        "environment image",
+        ImageUse::Read,
+        size,
+        Format::Rgba32Float,
+    )?;
+    let rows = (STRIP / image.width).max(1);
+    let strips = image.rgb.chunks((rows * image.width) as usize);
+    for (row, strip) in (0..).step_by(rows as usize).zip(strips) {
+        let texels: Vec<[f32; 4]> = strip.iter().map(|c| [c[0], c[1], c[2], 1.0]).collect();
+        let size = [image.width, strip.len() as u32 / image.width];
+        there.write(device, [0, row, 0], size, bytemuck::cast_slice(&texels));
+    }
+    Ok(there)
 }
 
 /// Of each cell its entry in the alias table of its part of the sky, whose cells are numbered row by row, with the number of columns there;
@@ -318,6 +332,21 @@ mod tests {
                 );
             }
         }
+    }
+
+    #[test]
+    fn a_large_picture_arrives_whole() {
+        let device = Device::open(&device::DeviceChoice::Native(1)).expect("the processor");
+        // Two strips, the second one shorter.
+        let (width, height) = (2048, STRIP / 2048 + 3);
+        let rgb = (0..width * height).map(|i| [i as f32, 0.5, 2.0]).collect();
+        let image = FloatImage { width, height, rgb };
+        let there = picture(&device, &image).expect("there is room");
+        let bytes = there.read(&device).expect("it can be read");
+        let texels: Vec<[f32; 4]> = bytemuck::pod_collect_to_vec(&bytes);
+        let is_there = |(i, texel): (usize, &[f32; 4])| *texel == [i as f32, 0.5, 2.0, 1.0];
+        assert_eq!(texels.len(), image.rgb.len());
+        assert!(texels.iter().enumerate().all(is_there));
     }
 
     #[test]

@@ -8,7 +8,11 @@ use crate::{
 };
 
 use super::{
-    GpuInstance, geometry, images, light_tree::GpuLightNode, lights::GpuLight,
+    GpuInstance,
+    environment::{MAX_TABLE, STRIP},
+    geometry, images,
+    light_tree::GpuLightNode,
+    lights::GpuLight,
     materials::GpuMaterial,
 };
 
@@ -22,7 +26,7 @@ const INSTANCE: u64 = 40;
 const INSTANCE_OF_PROCESSOR: u64 = 376;
 /// Bytes of a light: its record, and at most two of the tree over them.
 const LIGHT: u64 = (size_of::<GpuLight>() + 2 * size_of::<GpuLightNode>()) as u64;
-/// Bytes of a texel of the environment and of its table: four floats each.
+/// Bytes of a texel of the environment and of a cell of its table: four words each.
 const TEXEL: u64 = 16;
 
 /// Bytes of a scene on a device: of its buffers and images as they will be, nearly, of its hierarchy what it takes at most as a rule.
@@ -42,7 +46,10 @@ pub(crate) fn bytes(
     let environment = match &scene.environment {
         Environment::Constant(_) => 0,
         Environment::Image { image, .. } => {
-            2 * TEXEL * u64::from(image.width) * u64::from(image.height)
+            let texels = u64::from(image.width) * u64::from(image.height);
+            let cells = texels.min(u64::from(MAX_TABLE.0) * u64::from(MAX_TABLE.1));
+            // The table has every cell twice; it is there once more while it is made, and so is a strip of the picture.
+            TEXEL * (texels + 4 * cells + texels.min(u64::from(STRIP)))
         }
     };
     let records = scene.instances.len() * size_of::<GpuInstance>()
@@ -82,7 +89,7 @@ mod tests {
     use device::DeviceChoice;
 
     use super::*;
-    use crate::scene::{Image, Instance, Material};
+    use crate::scene::{FloatImage, Image, Instance, Material};
 
     fn bytes_of(scene: &Scene, with_levels: &[u32]) -> u64 {
         let device = Device::open(&DeviceChoice::Native(1)).expect("the processor");
@@ -108,6 +115,23 @@ mod tests {
         assert!((2 << 20..3 << 20).contains(&alone), "{alone}");
         let with_levels = bytes_of(&scene, &[0]) - without;
         assert!((alone..2 * alone).contains(&with_levels), "{with_levels}");
+    }
+
+    #[test]
+    fn a_large_environment_takes_little_more_than_its_picture() {
+        let mut scene = Scene::default();
+        let without = bytes_of(&scene, &[]);
+        scene.environment = Environment::Image {
+            image: FloatImage {
+                width: 16384,
+                height: 8192,
+                rgb: Vec::new(),
+            },
+            rotation: 0.0,
+            intensity: 1.0,
+        };
+        let more = bytes_of(&scene, &[]) - without;
+        assert!((2 << 30..(2 << 30) + (64 << 20)).contains(&more), "{more}");
     }
 
     #[test]

@@ -421,29 +421,20 @@ impl Shadows {
         Self {
             by_program,
             clear,
-            passages: by_program || clear || bodies(scene) > 1,
+            passages: by_program || clear || has_bodies(scene),
         }
     }
 }
 
-/// How many bodies there are that may overlap: meshes of instances with a solid material, each for itself.
-fn bodies(scene: &Scene) -> usize {
-    let is_body = |&m: &u32| {
-        let material = &scene.materials[m as usize];
-        material.is_solid
+/// Whether there are bodies, which may overlap: shells of one mesh may do so among themselves, too.
+fn has_bodies(scene: &Scene) -> bool {
+    let is_solid: Vec<bool> = scene.materials.iter().map(|m| m.is_solid).collect();
+    let has_solid = |mesh: &Mesh| {
+        let mut materials = mesh.triangle_materials.iter();
+        materials.any(|&material| is_solid[material as usize])
     };
-    let of_mesh = |mesh: &Mesh| {
-        let mut solid: Vec<u32> = (mesh.triangle_materials.iter().copied())
-            .filter(is_body)
-            .collect();
-        solid.sort_unstable();
-        solid.dedup();
-        solid.len()
-    };
-    let counts: Vec<usize> = scene.meshes.iter().map(of_mesh).collect();
-    (scene.instances.iter())
-        .map(|instance| counts[instance.mesh as usize])
-        .sum()
+    let of_meshes: Vec<bool> = scene.meshes.iter().map(has_solid).collect();
+    (scene.instances.iter()).any(|instance| of_meshes[instance.mesh as usize])
 }
 
 fn instances(scene: &Scene, bvh: &SceneBvh) -> Vec<GpuInstance> {

@@ -404,9 +404,9 @@ fn what_has_neither_lamps_nor_surroundings_is_seen_in_another_light() {
     }
 }
 
-/// Three triangles, of which one is scaled to nothing, and a lamp that is, too.
+/// Three triangles, of which one is scaled to nothing, and a lamp that is, too. It has an animation: another moment may be another one.
 const HALF_GONE: &str = r#"{
-    "asset": { "version": "2.0" }, "extensionsUsed": ["KHR_lights_punctual"],
+    "asset": { "version": "2.0" }, "extensionsUsed": ["KHR_lights_punctual"], "animations": [{ "channels": [], "samplers": [] }],
     "extensions": { "KHR_lights_punctual": { "lights": [{ "type": "spot", "name": "Beam" }, { "type": "point", "name": "Glow" }] } },
     "scenes": [{ "nodes": [0, 1, 2, 3, 4], "extras": { "environment": { "uri": "no such.exr" } } }],
     "nodes": [{ "mesh": 0, "name": "Gone", "scale": [0, 0, 0] }, { "mesh": 0, "name": "Body" }, { "mesh": 0, "name": "Other" },
@@ -430,11 +430,15 @@ fn nothing_stands_in_for_a_lamp_that_is_gone_at_the_moment() {
             .replace(r#""type": "spot""#, &format!(r#""type": "spot"{more}"#));
         text.into_bytes()
     };
+    let still = file("[0, 1, 2, 3]", "");
+    let still = String::from_utf8_lossy(&still).replace("\"animations\"", "\"others\"");
+    let still = still.into_bytes();
     let files: Arc<dyn Assets> = Arc::new(InMemory(
         [
             ("bare.gltf", file("[0, 1, 2]", "")),
             ("lit.gltf", file("[0, 1, 2, 3]", "")),
             ("wrong.gltf", file("[0, 1, 2, 3]", r#", "intensity": -1"#)),
+            ("still.gltf", still),
         ]
         .map(|(name, bytes)| (PathBuf::from(name), bytes))
         .into(),
@@ -453,6 +457,8 @@ fn nothing_stands_in_for_a_lamp_that_is_gone_at_the_moment() {
         ),
         // What can't be a lamp at any moment is none that is gone.
         ("wrong.gltf", None, true),
+        // Nor what never moves.
+        ("still.gltf", None, true),
         ("wrong.gltf", Some(own.to_owned()), false),
     ] {
         let parsed = look.as_ref().map(|text| {

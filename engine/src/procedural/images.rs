@@ -10,6 +10,9 @@ use crate::input::{FileId, Files};
 use crate::scene::import::load_picture;
 use crate::scene::{Image, Sampler, Scene, TextureRef};
 
+/// How many of the model's images a message names.
+const MAX_NAMED: usize = 20;
+
 /// Loads images and hands out texture handles.
 #[derive(Debug, Default)]
 pub(super) struct Images {
@@ -63,12 +66,16 @@ impl Images {
         let named = |image: &Image| image.short_name() == name;
         let Some(first) = scene.images.iter().position(named) else {
             let known = || scene.images.iter().map(Image::short_name);
-            return Err(match did_you_mean(name, known()) {
-                Some(near) => {
-                    format!("the model has no image of that name; did you mean `{near}`?")
-                }
-                None => "the model has no image of that name".to_owned(),
-            });
+            let mut message = "the model has no image of that name".to_owned();
+            if let Some(near) = did_you_mean(name, known()) {
+                message += &format!("; did you mean `{near}`?");
+            } else if !scene.images.is_empty() {
+                let names: BTreeSet<&str> = known().collect();
+                let more = if names.len() > MAX_NAMED { ", ..." } else { "" };
+                let names: Vec<&str> = names.into_iter().take(MAX_NAMED).collect();
+                message += &format!("; it has: {}{more}", names.join(", "));
+            }
+            return Err(message);
         };
         let fits = |image: &Image| named(image) && image.srgb == srgb;
         let image = match scene.images.iter().position(fits) {
@@ -99,5 +106,37 @@ impl Images {
             self.textures.len() - 1
         });
         place as u32
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn images_of_the_model_that_are_not_there_are_answered_with_those_that_are() {
+        let image = |name: &str| Image {
+            name: name.to_owned(),
+            width: 1,
+            height: 1,
+            rgba8: vec![255; 4].into(),
+            srgb: true,
+        };
+        let mut scene = Scene {
+            images: vec![image("image 0"), image("image 1 \"paint.png\"")],
+            ..Scene::default()
+        };
+        let mut of_model = |name: &str| {
+            let sampler = Sampler::default();
+            Images::default().of_model(&mut scene, name, true, sampler)
+        };
+        assert_eq!((of_model("0"), of_model("paint.png")), (Ok(0), Ok(0)));
+        for (name, end) in [
+            ("image 0", "; it has: 0, paint.png"),
+            ("pant.png", "; did you mean `paint.png`?"),
+        ] {
+            let message = of_model(name).expect_err(name);
+            assert!(message.ends_with(end), "{message}");
+        }
     }
 }

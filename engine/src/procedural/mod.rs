@@ -62,7 +62,7 @@ pub(crate) mod traits;
 mod update;
 mod values;
 mod wiring;
-mod written;
+pub(crate) mod written;
 
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;

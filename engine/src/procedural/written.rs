@@ -13,7 +13,7 @@ use super::{EditError, Procedural};
 
 impl Procedural {
     /// Sets a parameter to what `text` says: a value as in a look file, where quotes may be left out around names,
-    /// colours and paths, and brackets around plain numbers. A name is a link to another node. An image is read from its
+    /// colours and paths, and brackets around numbers or lists. A name is a link to another node. An image is read from its
     /// path (relative to the current folder) and added to `scene`, which has to be the one this was built for, before
     /// it is uploaded.
     ///
@@ -69,28 +69,61 @@ impl Procedural {
     }
 }
 
-/// What a text means: TOML, numbers with commas between, or else a string.
-fn written(text: &str) -> Spanned<look::Value> {
-    if let Some(value) = look::parse_value(text) {
-        return value;
-    }
-    let spanned = |value| Spanned::new(value, 0..0);
-    // Whole numbers stay whole, and lists may hold lists.
-    if text.contains(',')
-        && let Some(list) = look::parse_value(&format!("[{text}]"))
-        && is_of_numbers(&list.value)
-    {
-        return spanned(list.value);
-    }
-    let numbers: Option<Vec<f64>> = text.split(',').map(|n| n.trim().parse().ok()).collect();
-    spanned(match numbers.as_deref() {
-        Some(&[number]) => look::Value::Float(number),
-        Some(numbers) => {
-            let numbers = numbers.iter().map(|&n| spanned(look::Value::Float(n)));
-            look::Value::List(numbers.collect())
+/// What a text means, wherever a line gives a value: TOML, where numbers may lack the digits on one side of their point
+/// (`.5`, `3.`), a list of numbers or of lists its brackets, and texts their quotes, also in a list. `007` is a text.
+pub(crate) fn written(text: &str) -> Spanned<look::Value> {
+    let completed = with_digits(text);
+    let without_brackets = || {
+        let list = look::parse_value(&format!("[{completed}]"))?;
+        is_of_numbers(&list.value).then_some(list)
+    };
+    look::parse_value(text)
+        .or_else(|| look::parse_value(&completed))
+        .or_else(|| text.contains(',').then(without_brackets).flatten())
+        .or_else(|| list_of(text))
+        .unwrap_or_else(|| Spanned::new(look::Value::Text(text.to_owned()), 0..0))
+}
+
+/// The text with zeros in the place of digits that TOML wants and that people leave out: `.5`, `3.`.
+fn with_digits(text: &str) -> String {
+    let is_digit = |c: char| c.is_ascii_digit();
+    let mut completed = String::with_capacity(text.len());
+    let mut quote = None;
+    let mut before = None;
+    let mut rest = text.chars().peekable();
+    while let Some(c) = rest.next() {
+        let had_digit = before.replace(c).is_some_and(is_digit);
+        let has_digit = rest.peek().copied().is_some_and(is_digit);
+        match (quote, c) {
+            (None, '.') if has_digit && !had_digit => completed.push_str("0."),
+            (None, '.') if had_digit && !has_digit => completed.push_str(".0"),
+            (Some('"'), '\\') => {
+                completed.push(c);
+                // Ends nothing, whatever it is.
+                completed.extend(rest.next());
+            }
+            _ => completed.push(c),
         }
-        None => look::Value::Text(text.to_owned()),
-    })
+        match quote {
+            None if matches!(c, '"' | '\'') => quote = Some(c),
+            Some(open) if open == c => quote = None,
+            _ => {}
+        }
+    }
+    completed
+}
+
+/// A list of values each of which is told for itself; `None` for other texts, and where commas may be part of a value.
+fn list_of(text: &str) -> Option<Spanned<look::Value>> {
+    let inside = text.strip_prefix('[')?.strip_suffix(']')?.trim();
+    if inside.contains(['[', ']', '{', '}', '"', '\'', '\n']) {
+        return None;
+    }
+    let inside = inside.strip_suffix(',').unwrap_or(inside);
+    let items = inside.split(',').map(str::trim);
+    let items = items.map(|item| (!item.is_empty()).then(|| written(item)));
+    let items = items.collect::<Option<Vec<_>>>()?;
+    Some(Spanned::new(look::Value::List(items), 0..0))
 }
 
 /// Whether it is a list of numbers, or of lists.
@@ -112,12 +145,34 @@ mod tests {
     fn quotes_and_brackets_may_be_left_out() {
         let number = |n| Spanned::new(look::Value::Float(n), 0..0);
         let whole = |n| Spanned::new(look::Value::Integer(n), 0..0);
+        let text_of = |text: &str| Spanned::new(look::Value::Text(text.to_owned()), 0..0);
+        let list =
+            |numbers: &[f64]| look::Value::List(numbers.iter().map(|&n| number(n)).collect());
         for (text, expected) in [
             ("true", look::Value::Bool(true)),
             ("3", look::Value::Integer(3)),
             (".5", look::Value::Float(0.5)),
             ("1, -2.5", look::Value::List(vec![whole(1), number(-2.5)])),
-            (".5, 1", look::Value::List(vec![number(0.5), number(1.0)])),
+            (".5, 1", look::Value::List(vec![number(0.5), whole(1)])),
+            ("[.2,+.5,1.]", list(&[0.2, 0.5, 1.0])),
+            ("-.5e1", look::Value::Float(-5.0)),
+            ("3.", look::Value::Float(3.0)),
+            (
+                "['.5', .5]",
+                look::Value::List(vec![text_of(".5"), number(0.5)]),
+            ),
+            (
+                r#"["\".5", .5]"#,
+                look::Value::List(vec![text_of("\".5"), number(0.5)]),
+            ),
+            (
+                "[mask.x, .5]",
+                look::Value::List(vec![text_of("mask.x"), number(0.5)]),
+            ),
+            ("007", look::Value::Text("007".into())),
+            ("mask.x", look::Value::Text("mask.x".into())),
+            ("1.2.3", look::Value::Text("1.2.3".into())),
+            ("[.2,,1]", look::Value::Text("[.2,,1]".into())),
             ("rock,moss", look::Value::Text("rock,moss".into())),
             ("#ff8000", look::Value::Text("#ff8000".into())),
             ("\"#ff8000\"", look::Value::Text("#ff8000".into())),
@@ -149,6 +204,10 @@ mod tests {
             ("1, -2.5", ParameterType::Vec2),
             (".5,5.", ParameterType::Vec2),
             ("[1,2,3],[4,5,6],[7,8,9]", ParameterType::Mat3),
+            ("[.1,0,0],[0,.1,0],[0,0,.1]", ParameterType::Mat3),
+            ("[[.1,0,0],[0,.1,0],[0,0,1.]]", ParameterType::Mat3),
+            ("[.2,.5,1]", ParameterType::Vec3),
+            ("[0.,'#000'],[.5,'#fff']", ParameterType::Ramp),
             (
                 "[1,2,3],[4,5,6]",
                 ParameterType::Array(ElementType::Vec3, 2),

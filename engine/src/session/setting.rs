@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use crate::procedural::Procedural;
-use crate::scene::look::{LookDocument, Section, Spanned, Value};
+use crate::procedural::written::written;
+use crate::scene::look::{LookDocument, Section, Value};
 
 use super::edit::{Edit, summary};
 
@@ -12,7 +13,8 @@ const NAMED: [&str; 4] = ["node", "material", "ao", "light"];
 
 impl Edit {
     /// Sets a key: `NODE.PARAMETER=VALUE`, `material.NAME.KEY=VALUE`, and so with `node`, `ao` and `light`; `environment.KEY=VALUE`,
-    /// `camera.KEY=VALUE`, `view.KEY=VALUE`. Names may have dots. The value is as in a look; text needs no quotes.
+    /// `camera.KEY=VALUE`, `view.KEY=VALUE`. Names may have dots. The value is as in a look, as [`Procedural::set_written`]
+    /// has it: text needs no quotes, a list of numbers no brackets.
     ///
     /// # Errors
     /// It has another form: says how it is written.
@@ -52,7 +54,7 @@ impl Edit {
         if key.is_empty() || matches!(section.place().1, Some("")) {
             return Err(form.to_owned());
         }
-        Ok(Self::set(section, &key, value_of(value.trim())))
+        Ok(Self::set(section, &key, written(value.trim()).value))
     }
 
     /// What is wrong with it where it sets a parameter of a node to a number outside of the range that its texture declares. A window's
@@ -84,43 +86,6 @@ impl Edit {
             graph.texture(node).name()
         ))
     }
-}
-
-/// A value as in a look; what is no value of TOML is a number that others would write so, as `.5`, a list with such, or a text, as `007`
-/// is.
-fn value_of(text: &str) -> Value {
-    let bare = || match text.parse::<f64>() {
-        Ok(number) if number.is_finite() && !is_padded(text) => Value::Float(number),
-        _ => list_of(text).unwrap_or_else(|| Value::Text(text.to_owned())),
-    };
-    let line = format!("[camera]\nvalue = {text}\n");
-    let Ok(document) = LookDocument::parse(Path::new(""), &line) else {
-        return bare();
-    };
-    let mut fields = document.table(&Section::Camera).unwrap_or_default();
-    match (fields.pop(), fields.is_empty()) {
-        (Some(field), true) => field.value.value,
-        _ => bare(),
-    }
-}
-
-/// Whether digits stand behind a zero, as in codes: `007`, `-007`.
-fn is_padded(text: &str) -> bool {
-    let digits = text.strip_prefix(['+', '-']).unwrap_or(text);
-    let behind = digits.strip_prefix('0');
-    behind.is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit()))
-}
-
-/// A list of values each of which is told for itself; `None` for other texts, and where commas may be part of a value.
-fn list_of(text: &str) -> Option<Value> {
-    let inside = text.strip_prefix('[')?.strip_suffix(']')?.trim();
-    if inside.contains(['[', ']', '{', '}', '"', '\'', '\n']) {
-        return None;
-    }
-    let inside = inside.strip_suffix(',').unwrap_or(inside);
-    let items = inside.split(',').map(str::trim);
-    let items = items.map(|item| (!item.is_empty()).then(|| Spanned::new(value_of(item), 0..0)));
-    items.collect::<Option<Vec<_>>>().map(Value::List)
 }
 
 fn numbers_in(value: &Value, found: &mut Vec<f64>) {
@@ -201,11 +166,11 @@ mod tests {
             numbers_in(&value, &mut numbers);
             numbers
         };
-        for text in ["[.2,.5,1]", "[ .2, +.5, 1., ]"] {
+        for text in ["[.2,.5,1]", "[ .2, +.5, 1., ]", ".2,.5,1", "[[.2],[.5,1]]"] {
             assert_eq!(numbers(text), [0.2, 0.5, 1.0], "{text}");
         }
         assert_eq!(numbers("[.2,,1]"), [0.0; 0]);
-        for code in ["007", "-007", "+00.5", "[.2", "[[.2]]", "[,]"] {
+        for code in ["007", "-007", "+00.5", "[.2", "[,]"] {
             let edit = parsed(&format!("camera.name={code}"));
             assert_eq!(edit, Edit::camera("name", Value::Text(code.to_owned())));
         }

@@ -3,6 +3,7 @@
 
 use std::f32::consts::PI;
 
+use ::device::Device;
 use engine::film::Film;
 use engine::scene::{
     Camera, Instance, LightKind, Material, Mesh, Projection, PunctualLight, Scene,
@@ -369,6 +370,86 @@ fn what_is_reflected_inside_another_body_follows_the_ratio_of_their_indices() {
     assert_uniform("water and glass", &film, exact);
 }
 
+/// A place seen at an angle to the vertical, in radians.
+fn aslant(angle: f32, seen: Vec3) -> Camera {
+    camera(
+        seen + 5.0 * Vec3::new(angle.sin(), angle.cos(), 0.0),
+        seen,
+        Vec3::Z,
+        Projection::Perspective { y_fov: 0.002 },
+    )
+}
+
+/// What a wide sheet of something black reflects of a white sky, seen at so many degrees: the mean of a channel.
+fn reflected_aslant(device: &Device, material: Material, degrees: f32) -> f32 {
+    let black = Material {
+        base_color: Vec3::ZERO.extend(1.0),
+        metallic: 0.0,
+        double_sided: true,
+        ..material
+    };
+    let mut scene = scene([(floor(9.0), black)], Vec3::ONE);
+    let view = aslant(degrees.to_radians(), Vec3::ZERO);
+    let film = render(device, &mut scene, &view, DIRECT);
+    film.mean().iter().map(|pixel| pixel[1]).sum::<f32>() / film.pixels() as f32
+}
+
+#[test]
+fn thin_panes_reflect_at_grazing_angles_whether_clear_or_not() {
+    let Some(device) = device::open() else { return };
+    let clear = reflected_aslant(&device, pane(Vec3::ZERO), 80.0);
+    // Schlick's reflection.
+    let right = 0.04 + 0.96 * (1.0 - 80f32.to_radians().cos()).powi(5);
+    assert!((clear - right).abs() < 0.01, "clear: {clear}, {right}");
+    let rough = Material {
+        roughness: 0.1,
+        ..pane(Vec3::ZERO)
+    };
+    let glowing = Material {
+        emission: Vec3::splat(1e-4),
+        ..pane(Vec3::ZERO)
+    };
+    let coated = Material {
+        coat: 0.001,
+        ..pane(Vec3::ZERO)
+    };
+    for (name, material) in [("rough", rough), ("glowing", glowing), ("coated", coated)] {
+        let found = reflected_aslant(&device, material, 80.0);
+        assert!((found - clear).abs() < 0.04, "{name}: {found}, {clear}");
+    }
+}
+
+#[test]
+fn films_of_nearly_nothing_are_nearly_none() {
+    let Some(device) = device::open() else { return };
+    let black = Material {
+        roughness: 0.0,
+        ..Material::default()
+    };
+    for degrees in [0.0, 60.0, 80.0] {
+        let bare = reflected_aslant(&device, black.clone(), degrees);
+        // Index, thickness in nanometres, and how much a film may change: by the formula 0.017 and 0.04 at 80 degrees.
+        for (ior, thickness, most) in [
+            (1.3, 0.0, 0.005),
+            (1.0, 400.0, 0.005),
+            (1.3, 0.001, 0.03),
+            (1.02, 1.0, 0.06),
+        ] {
+            let film = Material {
+                iridescence: 1.0,
+                iridescence_ior: ior,
+                iridescence_thickness: [thickness; 2],
+                ..black.clone()
+            };
+            let found = reflected_aslant(&device, film, degrees);
+            assert!(
+                (found - bare).abs() < most,
+                "{thickness} nm of index {ior}, {degrees} degrees: {found}, without {bare}"
+            );
+        }
+    }
+}
+
 #[test]
 fn what_is_nearly_alike_hardly_reflects_at_grazing_angles_either() {
     let Some(device) = device::open() else { return };
@@ -379,13 +460,7 @@ fn what_is_nearly_alike_hardly_reflects_at_grazing_angles_either() {
     ];
     let mut scene = scene(objects, Vec3::ZERO);
     let slant = 80f32.to_radians();
-    let seen = Vec3::Y * 0.04;
-    let view = camera(
-        seen + 5.0 * Vec3::new(slant.sin(), slant.cos(), 0.0),
-        seen,
-        Vec3::Y,
-        Projection::Perspective { y_fov: 0.002 },
-    );
+    let view = aslant(slant, Vec3::Y * 0.04);
     let film = render(&device, &mut scene, &view, DEEP);
     // Fresnel's reflection of unpolarised light, of two borders between which light goes to and fro.
     let (outside, inside) = (slant.cos(), (1.0 - (slant.sin() / index).powi(2)).sqrt());
@@ -433,6 +508,36 @@ fn overlapping_bodies_of_one_glass_are_one_body() {
         &view(&[(-0.6, 0.1), (-0.1, 0.6)]),
         &view(&[(-0.6, 0.6)]),
     );
+}
+
+/// Borders inside bodies take rounds in which nothing scatters, also where all bodies are shells of one mesh.
+#[test]
+fn overlapping_shells_of_one_mesh_are_seen_through() {
+    let Some(device) = device::open() else { return };
+    let absorption = Vec3::new(1.0, 0.2, 0.5);
+    let mut shells = Mesh::default();
+    for i in 0..8 {
+        let top = 0.7 - 0.1 * i as f32;
+        let shell = cuboid(Vec3::new(-1.0, top - 0.15, -1.0), Vec3::new(1.0, top, 1.0));
+        let first = shells.positions.len() as u32;
+        shells.positions.extend(shell.positions);
+        shells.normals.extend(shell.normals);
+        let moved = shell.triangles.iter().map(|t| t.map(|v| v + first));
+        shells.triangles.extend(moved);
+        shells.triangle_materials.extend(shell.triangle_materials);
+    }
+    let ground = cuboid(Vec3::new(-9.0, -2.0, -9.0), Vec3::new(9.0, -1.0, 9.0));
+    let objects = [
+        (shells, absorbing(1.0, absorption, 0)),
+        (ground, unlit(Vec3::ONE.extend(1.0))),
+    ];
+    let mut scene = scene(objects, Vec3::ZERO);
+    let shot = Shot {
+        max_depth: 4,
+        ..DIRECT
+    };
+    let film = render(&device, &mut scene, &from_above(3.0, 0.2), shot);
+    assert_uniform("shells", &film, (-absorption * 0.85).exp());
 }
 
 #[test]

@@ -20,11 +20,8 @@ use crate::model_image::{DraggedImage, ModelImage};
 use super::browse::{Browser, FileRequest, Purpose, named_from};
 use super::{Edited, choice, draft};
 
-/// How names of pictures end that can be images.
+/// How names of pictures end that can be images, chosen or dropped. The window takes the same for pictures.
 const ENDINGS: [&str; 4] = ["png", "jpg", "jpeg", "webp"];
-
-/// How names of files end that a slot takes when they are dropped on it: those that the window takes for pictures.
-const DROPPED: [&str; 6] = ["png", "jpg", "jpeg", "webp", "bmp", "tga"];
 
 /// Points of a thumbnail's longer side.
 const THUMBNAIL: u32 = 48;
@@ -349,7 +346,7 @@ fn dropped_on(ui: &Ui, place: egui::Rect) -> Option<PathBuf> {
 fn is_image(path: &Path) -> bool {
     let ending = path.extension().and_then(|ending| ending.to_str());
     ending.is_some_and(|ending| {
-        let mut known = DROPPED.iter();
+        let mut known = ENDINGS.iter();
         known.any(|known| known.eq_ignore_ascii_case(ending))
     })
 }
@@ -374,12 +371,14 @@ mod tests {
 
     #[test]
     fn a_slot_takes_images_alone() {
-        for name in ["a.png", "b.JPG", "c.d.webp", "e.tga"] {
+        for name in ["a.png", "b.JPG", "c.d.webp"] {
             assert!(is_image(Path::new(name)), "{name}");
         }
         for name in [
             "a.hdr",
             "a.exr",
+            "a.tga",
+            "a.bmp",
             "a.glb",
             "a.look.toml",
             "a.wgsl",

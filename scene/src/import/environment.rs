@@ -9,6 +9,16 @@ use std::path::Path;
 /// Largest file (4 GiB).
 const MAX_FILE: u64 = 4 << 30;
 
+/// As much of a file tells the size of its picture, as a rule: names and colour profiles may stand before it.
+const HEAD: u64 = 1 << 20;
+
+/// The columns and rows of a picture that [`load_environment_image`] reads, by the first MiB of its file. `None` where that doesn't
+/// tell, and where the file can't be read or has no such picture: why, that function says.
+pub fn environment_image_size(files: &dyn Files, path: &Path) -> Option<[u32; 2]> {
+    let start = files.read_start(path, HEAD).ok()?;
+    texgen::guarded(|| panorama::size(&start)).ok().flatten()
+}
+
 /// Reads an equirectangular picture: OpenEXR or Radiance HDR, or PNG, JPEG and WebP, which are taken as sRGB.
 /// Returns it with warnings: values that are negative or not finite become 0, and of an OpenEXR file with several layers the
 /// first one with colours or luminance is taken, as it is seen in the display window.

@@ -85,6 +85,6 @@ pub struct NodeNames {
     pub lights: Vec<String>,
     /// Nodes with a mesh of which nothing is in the scene: scaled to nothing at this moment, or without triangles.
     pub gone_meshes: BTreeSet<String>,
-    /// Lights that aren't in the scene at this moment: the node, and the light's own name.
+    /// Lights that aren't in the scene at this moment, of files that have animations: the node, and the light's own name.
     pub gone_lights: BTreeSet<(String, String)>,
 }

@@ -19,7 +19,7 @@ mod panorama;
 mod pictures;
 mod place;
 
-pub use environment::load_environment_image;
+pub use environment::{environment_image_size, load_environment_image};
 pub use error::ImportError;
 pub use format::{Imported, NodeNames};
 pub use merge::Appended;

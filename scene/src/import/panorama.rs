@@ -11,8 +11,10 @@ use exr::{ReadChannels as _, ReadLayers as _, ReadSpecificChannel as _};
 use image::codecs::hdr::HdrDecoder;
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 use std::collections::BTreeMap;
-use std::io::{Cursor, Read as _};
+use std::io::{Chain, Cursor, Read as _};
 
+/// What OpenEXR files begin with.
+const EXR: [u8; 4] = [0x76, 0x2F, 0x31, 0x01];
 /// Longest side, texels.
 const MAX_SIDE: usize = 32768;
 /// Texels of an environment; 16384 x 8192, 1.5 GiB in memory.
@@ -26,15 +28,11 @@ const MARGIN: u64 = 16;
 
 /// Decodes a picture; also what the user should know about it.
 pub(super) fn decode(bytes: Vec<u8>) -> Result<(FloatImage, Vec<String>), Fault> {
-    if bytes.starts_with(&[0x76, 0x2F, 0x31, 0x01]) {
+    if bytes.starts_with(&EXR) {
         return decode_exr(&bytes);
     }
     let picture = if bytes.starts_with(b"#?") {
-        // The program's name in the first line may be any; older files have "RGBE", the decoder knows one.
-        let line = bytes.iter().position(|&b| b == b'\n');
-        let rest = line.map_or(&[][..], |end| &bytes[end..]);
-        let reader = (&b"#?RADIANCE"[..]).chain(rest);
-        picture(HdrDecoder::new(reader).map_err(|error| error.to_string())?)?
+        picture(radiance(&bytes)?)?
     } else {
         let mut reader = ImageReader::new(Cursor::new(&bytes))
             .with_guessed_format()
@@ -72,6 +70,32 @@ pub(super) fn decode(bytes: Vec<u8>) -> Result<(FloatImage, Vec<String>), Fault>
             .for_each(|value| *value = srgb_to_linear(*value));
     }
     Ok((FloatImage { width, height, rgb }, Vec::new()))
+}
+
+fn radiance(bytes: &[u8]) -> Result<HdrDecoder<Chain<&[u8], &[u8]>>, Fault> {
+    // The program's name in the first line may be any; older files have "RGBE", the decoder knows one.
+    let line = bytes.iter().position(|&b| b == b'\n');
+    let rest = line.map_or(&[][..], |end| &bytes[end..]);
+    let reader = (&b"#?RADIANCE"[..]).chain(rest);
+    HdrDecoder::new(reader).map_err(|error| error.to_string())
+}
+
+/// The columns and rows of a picture, by the first bytes of its file; `None` where these don't tell, or tell of none that is read.
+pub(super) fn size(start: &[u8]) -> Option<[u32; 2]> {
+    let (width, height) = if start.starts_with(&EXR) {
+        let meta = exr::MetaData::read_from_buffered(Cursor::new(start), false).ok()?;
+        let mut headers = (0..).zip(&meta.headers).filter(|(_, header)| !header.deep);
+        let shown = headers.find(|(number, header)| !layers(*number, header).is_empty());
+        let size = Frame::of(shown?.1).ok()?.size;
+        (size.0 as u32, size.1 as u32)
+    } else if start.starts_with(b"#?") {
+        radiance(start).ok()?.dimensions()
+    } else {
+        let reader = ImageReader::new(Cursor::new(start)).with_guessed_format();
+        reader.ok()?.into_dimensions().ok()?
+    };
+    check_size(width as usize, height as usize).ok()?;
+    Some([width, height])
 }
 
 fn picture(decoder: impl ImageDecoder) -> Result<DynamicImage, Fault> {
@@ -360,6 +384,24 @@ mod tests {
         let two = file(&["a.B", "a.G", "a.R", "b.Y"], (2, 2), (0, 0), None);
         let (_, notes) = decode(two).unwrap();
         assert!(notes[0].contains("\"a\", \"b\""), "{notes:?}");
+    }
+
+    #[test]
+    fn the_size_is_known_by_the_first_bytes() {
+        let exr = file(&["Y"], (40, 30), (0, 0), Some((60, 50)));
+        assert_eq!(size(&exr[..exr.len() / 4]), Some([60, 50]));
+        let head = |size: &str| format!("#?RGBE\nFORMAT=32-bit_rle_rgbe\n\n{size}\n");
+        let of_hdr = |text: &str| size(head(text).as_bytes());
+        assert_eq!(of_hdr("-Y 8192 +X 16384"), Some([16384, 8192]));
+        // None that is read: what is wrong with it is told where it would be.
+        assert_eq!(of_hdr("-Y 40000 +X 2"), None);
+        let mut png = Cursor::new(Vec::new());
+        let grey = DynamicImage::new_luma8(300, 200);
+        grey.write_to(&mut png, ImageFormat::Png).unwrap();
+        assert_eq!(size(&png.into_inner()[..64]), Some([300, 200]));
+        for nothing in [&b""[..], b"#?", &exr[..20]] {
+            assert_eq!(size(nothing), None);
+        }
     }
 
     #[test]

@@ -108,25 +108,50 @@ pub(super) fn of_vector_and_number(
             (ty.starts_with("vec") == is_vector && is_vector != is_scalar).then_some((span, ty))
         })
     };
-    let ((_, vector), (number, scalar)) = (typed(true)?, typed(false)?);
+    let ((whole, vector), (number, scalar)) = (typed(true)?, typed(false)?);
     let (count, component) = (vector.get(3..4)?, vector.get(5..6)?.replace('{', "f"));
     if !"fiu".contains(&component) {
         return None;
     }
-    let mut number = short(text, number.clone()).unwrap_or("...").to_owned();
+    let message = format!("`{function}` takes vectors of one size or numbers, not both");
+    // Of a `let` naga shows what it is made of, which stands further up: its name isn't known.
+    let call = labels.first().map_or(0, |(span, _)| span.start);
+    let is_name = |text: &&str| text.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'_');
+    let written = |span: &Range<usize>| {
+        let text = short(text, span.clone());
+        text.filter(|text| span.start >= call || is_name(text))
+            .unwrap_or("...")
+    };
+    let mut number = written(number).to_owned();
     // Numbers without a type become what the vector holds, but no fraction becomes an integer.
     let becomes = match scalar {
         "{AbstractInt}" => true,
         "{AbstractFloat}" => component == "f",
         _ => scalar.starts_with(&component),
     };
+    // Of a vector without a sign there is none that holds it.
+    if component == "u" && scalar.starts_with('{') && is_negative(&number) {
+        let vector = written(whole);
+        let signed = match becomes {
+            true => number,
+            false => format!("i32({number})"),
+        };
+        let remedy = format!(
+            "`u32` has no numbers below 0: write `vec{count}i({vector})` for the vector and `vec{count}i({signed})` for the number"
+        );
+        return Some((message, remedy));
+    }
     if !becomes {
         number = format!("{component}32({number})");
     }
-    Some((
-        format!("`{function}` takes vectors of one size or numbers, not both"),
-        format!("write `vec{count}{component}({number})` for the number"),
-    ))
+    let remedy = format!("write `vec{count}{component}({number})` for the number");
+    Some((message, remedy))
+}
+
+/// Whether a number as it is written is less than 0; of what is to be worked out, whether it may be.
+fn is_negative(number: &str) -> bool {
+    let value = number.parse::<f64>();
+    value.map_or_else(|_| number.contains('-'), |value| value < 0.0)
 }
 
 /// The type that a label tells of an argument.
@@ -170,6 +195,10 @@ pub(super) fn in_plain_words(message: &str) -> Option<(String, Option<String>)> 
         let text = "a number meets something here that it doesn't go with";
         let remedy = "convert one of them, as by `f32(...)`: `2.0` goes with `f32` only, `2` with all numbers";
         return Some((text.to_owned(), Some(remedy.to_owned())));
+    }
+    if message.starts_with("inconsistent type passed as argument #") {
+        let remedy = "convert the others to its type, as by `f32(...)` or `vec3f(...)`: `2.0` goes with `f32` only, `2` with all numbers";
+        return Some((message.to_owned(), Some(remedy.to_owned())));
     }
     let operator = refused_operator(message)?;
     let plain = plain_message(message);
@@ -254,6 +283,13 @@ mod tests {
             let told = told.map(|(_, remedy)| remedy);
             let wanted = format!("write `{remedy}` for the number");
             assert_eq!(told, Some(wanted), "{vector} {scalar}");
+        }
+    }
+
+    #[test]
+    fn what_may_be_below_zero_is_found_in_the_text() {
+        for (number, is) in [("-1", true), ("1-3", true), ("2", false), ("1e-3", false)] {
+            assert_eq!(is_negative(number), is, "{number}");
         }
     }
 

@@ -257,7 +257,12 @@ fn expressions_that_are_deep_through_brackets_are_refused() {
             &["error: this expression is too long", "t.wgsl:1:", "`let`"],
         );
     }
-    for body in [chain, branches] {
+    // However long each condition is, as long as it isn't itself too long.
+    let long = format!(
+        "{}{{ }}",
+        "if x > 1.0 && x < 2.0 || x > 3.0 && x < 4.0 || x == 5.0 { } else ".repeat(100)
+    );
+    for body in [chain, branches, long] {
         check(
             &in_body(&format!("{body} return x;")),
             &["error: this statement is too long", "t.wgsl:1:", "`switch`"],

@@ -52,6 +52,39 @@ fn vectors_and_numbers_as_arguments() {
     }
 }
 
+/// What is proposed has to be right: `vec3u(-1)` isn't.
+#[test]
+fn numbers_below_zero_do_not_meet_those_without_a_sign() {
+    let body = |expression: &str| {
+        format!(
+            "fn f(a: vec3u, n: i32) {{\n    let c = a + a;\n    let x = {expression};\n}}\nfn userProc(k: f32) -> f32 {{\n    f(vec3u(1), i32(k));\n    return k;\n}}"
+        )
+    };
+    for (expression, remedy, mended) in [
+        (
+            "max(a, -1)",
+            "write `vec3i(a)` for the vector and `vec3i(-1)` for the number",
+            "max(vec3i(a), vec3i(-1))",
+        ),
+        (
+            "max(a, -1.5)",
+            "write `vec3i(a)` for the vector and `vec3i(i32(-1.5))` for the number",
+            "max(vec3i(a), vec3i(i32(-1.5)))",
+        ),
+        (
+            "max(c, -1)",
+            "write `vec3i(...)`",
+            "max(vec3i(c), vec3i(-1))",
+        ),
+        ("max(a, 1)", "write `vec3u(1)`", "max(a, vec3u(1))"),
+        ("a * -1", "by `vec3i(...)`", "vec3i(a) * -1"),
+        ("max(n, 1.5)", "by `f32(...)`", "max(f32(n), 1.5)"),
+    ] {
+        check(&body(expression), &[remedy]);
+        parse("t", &body(mended)).unwrap_or_else(|problems| panic!("{problems}"));
+    }
+}
+
 #[test]
 fn calls_with_numbers_without_a_type() {
     for (expression, remedy) in [

@@ -670,6 +670,14 @@ fn what_is_nested_deeper_than_software_drivers_follow_is_warned_of() {
             rows(40, leave),
             texture(format!("{} v = h(x);", rows(40, leave)))
         ),
+        // The kernel's guard leaves each of them early.
+        texture(rows(90, "while v > $.5 { v -= 1.0; }\n")),
+        texture(rows(90, "for (var i = 0; i < x; i++) { v += 1.0; }\n")),
+        format!(
+            "fn h(x: i32) -> i32 {{ var n = x; {} return n; }}\n{}",
+            rows(40, "loop { n--; if n < $ { break; } }\n"),
+            texture(format!("{} v = f32(h(x));", rows(40, leave)))
+        ),
     ] {
         let report = warnings(&deep);
         assert!(
@@ -687,6 +695,12 @@ fn what_is_nested_deeper_than_software_drivers_follow_is_warned_of() {
         texture(rows(
             90,
             "for (var i = 0; i < 3; i++) { if i == x { break; } }\n",
+        )),
+        texture(rows(40, "while v > $.5 { v -= 1.0; }\n")),
+        // Those in there only break.
+        texture(format!(
+            "loop {{ v += 1.0; continuing {{ {} break if v > 9.0; }} }}",
+            rows(90, "while v < -$.5 { v += 1.0; }\n")
         )),
     ] {
         assert_eq!(warnings(&flat), "");

@@ -3,8 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use engine::input::FileId;
 use engine::load::StandIn;
-use engine::procedural::TextureSources;
+use engine::procedural::{LIBRARIES, TextureSources};
 use engine::scene::{Instance, Moment, Motion, Scene};
 use engine::session::{Session, SessionError};
 
@@ -263,17 +264,22 @@ impl Render {
                 format!("another program has just changed {own}: see what has become of both, then save once more")
             });
         };
-        // However they are named. What isn't there yet is nothing of them.
-        let found = |path: &Path| path.canonicalize().ok();
+        // However they are named, hard links included. What isn't there yet is nothing of them.
+        let found = |path: &Path| path.exists().then(|| FileId::of(path));
         let own = own.and_then(found);
-        let Some(wanted) = found(path).filter(|path| own.as_ref() != Some(path)) else {
+        let Some(wanted) = found(path).filter(|file| own.as_ref() != Some(file)) else {
             return Ok(());
         };
         let textures = &session.inputs().textures;
-        let is_texture = wanted.extension().is_some_and(|ending| ending == "wgsl")
-            && textures
-                .iter()
-                .any(|folder| found(folder).as_deref() == wanted.parent());
+        // Of one that nothing uses only its folder is known, and of what those share: of the link's, and of the file's behind it.
+        let place = path.canonicalize().unwrap_or_default();
+        let is_texture = [path, place.as_path()].into_iter().any(|file| {
+            let folder = Path::new(".").join(file.parent().unwrap_or(Path::new("")));
+            let folder = found(&folder);
+            let holds = |dir: &PathBuf| [found(dir), found(&dir.join(LIBRARIES))].contains(&folder);
+            let is_wgsl = file.extension().is_some_and(|ending| ending == "wgsl");
+            is_wgsl && folder.is_some() && textures.iter().any(holds)
+        });
         let mut files = session.files().into_iter();
         match is_texture || files.any(|file| found(&file).as_ref() == Some(&wanted)) {
             true => Err(format!(

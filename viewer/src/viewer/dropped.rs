@@ -31,8 +31,17 @@ fn kind(path: &Path) -> Dropped {
         "toml" => Dropped::Look,
         "wgsl" => Dropped::Texture,
         "hdr" | "exr" => Dropped::Environment,
-        "png" | "jpg" | "jpeg" | "webp" | "bmp" | "tga" => Dropped::Image,
+        "png" | "jpg" | "jpeg" | "webp" => Dropped::Image,
         _ => Dropped::Unknown,
+    }
+}
+
+/// What to do about a file that isn't known: pictures of other formats can be saved as one that is.
+fn remedy(path: &Path) -> &'static str {
+    let ending = path.extension().unwrap_or_default().to_string_lossy();
+    match ending.to_lowercase().as_str() {
+        "bmp" | "gif" | "psd" | "tga" | "tif" | "tiff" => ": save it as PNG, JPEG or WebP",
+        _ => "",
     }
 }
 
@@ -74,7 +83,11 @@ impl Viewer {
                     self.edit("environment", &edits.unwrap_or_default(), now);
                 }
                 Dropped::Unknown => {
-                    let text = format!("nothing is known to be done with {}", file.display());
+                    let remedy = remedy(file);
+                    let text = format!(
+                        "nothing is known to be done with {}{remedy}",
+                        file.display()
+                    );
                     self.tell(text, true, now);
                 }
             }
@@ -157,10 +170,14 @@ mod tests {
             ("rust.wgsl", Dropped::Texture),
             ("sky.hdr", Dropped::Environment),
             ("paint.PNG", Dropped::Image),
+            ("paint.tga", Dropped::Unknown),
+            ("paint.bmp", Dropped::Unknown),
             ("a.txt", Dropped::Unknown),
             ("a", Dropped::Unknown),
         ] {
             assert_eq!(kind(Path::new(name)), expected, "{name}");
         }
+        assert!(remedy(Path::new("paint.TGA")).contains("PNG"));
+        assert_eq!(remedy(Path::new("a.txt")), "");
     }
 }

@@ -208,7 +208,21 @@ fn looks_that_can_not_be_saved_are_told() {
     fs::write(stage.path("half.wgsl"), texture).expect("written");
     // Named in another way, they are the same.
     let folder = stage.folder.path().join(".");
-    for name in ["scene.gltf", "triangle.bin", "half.wgsl"] {
+    fs::create_dir(stage.path("lib")).expect("a folder");
+    fs::write(stage.path("lib/shared.wgsl"), "const HALF = 0.5;\n").expect("written");
+    let mut names = vec!["scene.gltf", "triangle.bin", "half.wgsl", "lib/shared.wgsl"];
+    if cfg!(unix) {
+        fs::hard_link(stage.path("scene.gltf"), stage.path("hard.look.toml")).expect("a link");
+        names.push("hard.look.toml");
+    }
+    #[cfg(unix)]
+    {
+        fs::create_dir(stage.path("elsewhere")).expect("a folder");
+        fs::write(stage.path("elsewhere/far.wgsl"), texture).expect("written");
+        std::os::unix::fs::symlink("elsewhere/far.wgsl", stage.path("near.wgsl")).expect("a link");
+        names.push("near.wgsl");
+    }
+    for name in names {
         let before = fs::read(stage.path(name)).expect("there");
         let save = Command::Save(Some(folder.join(name)), 0);
         stage.thread.link.send(save);

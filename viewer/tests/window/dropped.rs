@@ -76,6 +76,7 @@ fn dropped_files_are_opened_used_or_refused() {
             "/a/nameless",
             "nothing is known to be done with /a/nameless",
         ),
+        ("/a/paint.tga", "/a/paint.tga: save it as PNG, JPEG or WebP"),
     ] {
         stage.drop_files(&[file]);
         assert!(stage.sent().is_empty(), "{file}");

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
 
 /// What a driver is to do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -41,6 +42,26 @@ pub(super) struct Job {
     pub(super) ao_samples: Vec<u32>,
     /// Timed renders of each texture.
     pub(super) runs: u32,
+}
+
+impl Job {
+    /// Whether its results are those of a job that was written before. Where a program lies makes none, [`Self::build`] tells one from
+    /// another; and of pictures not what is read of textures alone.
+    pub(super) fn gives_the_same_as(&self, written: &str) -> bool {
+        let counting = |text: &str| {
+            let mut job: Map<String, Value> = serde_json::from_str(text).ok()?;
+            job.remove("patina");
+            if self.task == Task::Render {
+                job.remove("ao_samples");
+                job.remove("runs");
+            }
+            Some(job)
+        };
+        // Both are read from text, so that their numbers are read alike.
+        let own = serde_json::to_string(self).ok();
+        let own = own.and_then(|own| counting(&own));
+        own.is_some() && own == counting(written)
+    }
 }
 
 /// What a driver did.
@@ -166,10 +187,9 @@ pub(super) struct PictureError {
 mod tests {
     use super::*;
 
-    #[test]
-    fn a_job_is_what_the_drivers_read() {
-        let job = Job {
-            task: Task::Textures,
+    fn job(task: Task) -> Job {
+        Job {
+            task,
             scene: "a.gltf".into(),
             width: 4,
             height: 3,
@@ -183,7 +203,45 @@ mod tests {
             build: Some("1 byte".to_owned()),
             ao_samples: vec![4],
             runs: 3,
+        }
+    }
+
+    #[test]
+    fn pictures_are_kept_where_nothing_has_changed_that_they_show() {
+        let text = |job: &Job| serde_json::to_string_pretty(job).unwrap();
+        let others = |task: Task| {
+            let elsewhere = Job {
+                patina: "elsewhere/patina".into(),
+                ..job(task)
+            };
+            let more_runs = Job {
+                runs: 5,
+                ..job(task)
+            };
+            let more_rays = Job {
+                ao_samples: vec![4, 16],
+                ..job(task)
+            };
+            let rebuilt = Job {
+                build: Some("2 bytes".to_owned()),
+                ..job(task)
+            };
+            let finer = Job {
+                spp: vec![2],
+                ..job(task)
+            };
+            [elsewhere, more_runs, more_rays, rebuilt, finer]
+                .map(|other| job(task).gives_the_same_as(&text(&other)))
         };
+        assert_eq!(others(Task::Render), [true, true, true, false, false]);
+        assert_eq!(others(Task::Textures), [true, false, false, false, false]);
+        assert!(!job(Task::Render).gives_the_same_as("half of a jo"));
+        assert!(!job(Task::Render).gives_the_same_as(&text(&job(Task::Textures))));
+    }
+
+    #[test]
+    fn a_job_is_what_the_drivers_read() {
+        let job = job(Task::Textures);
         let written: serde_json::Value = serde_json::to_value(&job).unwrap();
         assert_eq!(written["task"], "textures");
         // Each field that is written is one of the class `Job` in jobs.py, which refuses others.

@@ -1,6 +1,6 @@
 //! What a layer is: its declaration, and what follows from it.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use scene::Scene;
 
@@ -25,10 +25,13 @@ pub const SHADOW_CATCHER: &str = "shadow_catcher";
 /// How the names of layers begin that it is made from, and that no file of a picture has; the first of them.
 pub(crate) const CAUGHT: &str = "caught";
 
+/// The layer of what the camera sees of the environment.
+pub(crate) const ENVIRONMENT: &str = "environment";
+
 /// What all layers of groups are called together.
 pub const LIGHT_GROUPS: &str = "light_groups";
 /// How the name of each begins; its number follows.
-const LIGHT_GROUP: &str = "light_group_";
+pub(super) const LIGHT_GROUP: &str = "light_group_";
 
 /// A layer's declaration.
 #[derive(Debug)]
@@ -139,6 +142,12 @@ impl Layer {
     /// The number of the group of lights that it is of.
     pub fn light_group(&self) -> Option<usize> {
         self.name.strip_prefix(LIGHT_GROUP)?.parse().ok()
+    }
+
+    /// Whether it is the group of lights that the environment is of, by the names of a scene ([`Layers::names`](super::Layers::names)).
+    pub fn is_of_environment(&self, names: &BTreeMap<String, Vec<String>>) -> bool {
+        let group = names.get(ENVIRONMENT).map(Vec::as_slice);
+        matches!(group, Some([group]) if group == self.name)
     }
 
     /// Whether it is that of motion, or comes with it.

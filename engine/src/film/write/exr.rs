@@ -192,6 +192,11 @@ fn described(
         if is_picture && content.transparent {
             channels = split(&content.rendered());
         }
+        if content.transparent && layer.is_of_environment(&metadata.names) {
+            // So that groups add up to the picture.
+            let in_front = content.film.group_in_front(layer);
+            channels = in_front.map_or(channels, |pixels| split(&pixels));
+        }
         if layer.name == "alpha" && content.transparent {
             channels = content.alpha().into_iter().collect();
         }

@@ -14,6 +14,11 @@ pub const ALL_LAYERS: &str = "all";
 
 /// The largest number of 16 bits.
 const LARGEST_HALF: f32 = 65504.0;
+/// The largest one that survives a transform with loss: it may come back larger by some, and beyond the largest of 16 bits it would be
+/// infinite.
+const LARGEST_TRANSFORMED: f32 = 49152.0;
+/// Channels that DWAA and DWAB transform, in 16 bits: they know them by the ends of their names. All others are kept as they are.
+const TRANSFORMED: &str = "RGBY";
 /// A layer of colours whose brightest number is darker is kept in 32 bits: of numbers below 2^-14 halves lose digits.
 const DARKEST: f32 = 1.0 / 64.0;
 /// Longest name of an attribute that any reader takes.
@@ -268,11 +273,17 @@ impl Form {
             false => f16::from_f32(*value),
         };
         let is_transformed = matches!(self.compression, Compression::Dwaa | Compression::Dwab);
+        let mut letters = layer.channels.chars();
         let samples = channels.into_iter().map(|mut values| {
+            let is_of_cosines = letters.next().is_some_and(|c| TRANSFORMED.contains(c));
             if is_transformed {
-                // A sum of cosines with an infinite term is no number anywhere.
-                let infinite = values.iter_mut().filter(|value| value.is_infinite());
-                infinite.for_each(|value| *value = LARGEST_HALF.copysign(*value));
+                // A sum of cosines with an infinite term is no number anywhere. What is not a number stays so.
+                let most = match is_of_cosines {
+                    true => LARGEST_TRANSFORMED,
+                    false => f32::MAX,
+                };
+                let large = values.iter_mut().filter(|value| value.abs() > most);
+                large.for_each(|value| *value = most.min(LARGEST_HALF).copysign(*value));
             }
             match is_half {
                 true => FlatSamples::F16(values.iter().map(short).collect()),

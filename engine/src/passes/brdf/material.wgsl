@@ -41,6 +41,9 @@ fn add_layers(b: ptr<function, Bsdf>, slot: u32, driven: u32, material: u32, rou
             let thickness = max(scalar_or(slot, driven, OUTPUT_IRIDESCENCE_THICKNESS,
                 mix(range.x, range.y, layers[LAYER_IRIDESCENCE_THICKNESS].y)), 0.0);
             let f0 = mix((*b).specular * (*b).dielectric_f0, (*b).base_color, (*b).metallic);
+            if (!(thickness > 0.0) || materials[material].iridescence_ior <= 1.0) {
+                (*b).iridescence = 0.0; // nothing, or air, is no film
+            }
             (*b).iridescent_f0 = film_reflection(saturate(cosine), materials[material].iridescence_ior, thickness, f0);
         }
     }

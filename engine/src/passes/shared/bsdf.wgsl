@@ -158,9 +158,10 @@ fn dielectric_fresnel(b: Bsdf, cosine: f32) -> vec3f {
         outside = sqrt(1.0 - sine2);
     }
     var grazing = schlick_weight(outside);
-    if (has_transmission) {
+    if (has_transmission && b.eta != 1.0) {
         // Schlick's is the reflection of bodies in air. Between bodies that are nearly alike it fades with their difference, as Fresnel's does: from
-        // a ratio of 1.33 down, in proportion to the root of F0. No index, 0, is far from alike.
+        // a ratio of 1.33 down, in proportion to the root of F0. No index, 0, is far from alike; and 1 is no ratio, but a thin wall in air,
+        // whatever its glass (or a border between equals, which has nothing to reflect).
         grazing *= min(7.07 * abs(b.eta - 1.0) / (b.eta + 1.0), 1.0);
     }
     return skin_reflection(b, grazing);
@@ -215,8 +216,11 @@ fn lobes(b: Bsdf, wo: vec3f) -> Lobes {
             if (is_refracting(b)) {
                 // The same at the surface of a body, where what single scattering leaves depends on the index too.
                 l.through = 1.0 / max(glass_albedo(place.x, place.y, b.eta), 0.1);
-                // The place is a metal's; by furnaces of balls, plates and cubes, stretched glass makes some 0.025 of light there.
-                l.through /= 1.0 + 0.025 * sqrt(stretch2(b));
+                // The place is a metal's. By furnaces of balls, plates and cubes, glass that is rough along one way and much less so across
+                // makes up to 0.04 of light there, where the one width is near 1 and the indices aren't alike; else none.
+                let wide = max(b.alpha.x, b.alpha.y);
+                let alike = min(7.07 * abs(b.eta - 1.0) / (b.eta + 1.0), 1.0);
+                l.through /= 1.0 + 0.025 * sqrt(stretch2(b)) * wide * wide * wide * alike;
             }
         }
         if (has_layers && l.cover > 0.0) {

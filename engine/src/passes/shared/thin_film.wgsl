@@ -21,7 +21,7 @@ fn film_sensitivity(path: f32, shift: vec3f) -> vec3f {
 
 // Reflection at `cosine` of a film of so many nanometres over a surface that reflects `f0` in the air.
 fn film_reflection(cosine: f32, film_ior: f32, thickness: f32, f0: vec3f) -> vec3f {
-    // A film of no thickness is none.
+    // One that is thinner than atoms fades away.
     let ior = mix(1.0, film_ior, smoothstep(0.0, 0.03, thickness));
     let sine2 = (1.0 - cosine * cosine) / (ior * ior);
     if (sine2 >= 1.0) {
@@ -30,7 +30,9 @@ fn film_reflection(cosine: f32, film_ior: f32, thickness: f32, f0: vec3f) -> vec
     let inner_cosine = sqrt(1.0 - sine2);
     // The upper side of the film, then the lower one.
     let upper0 = (ior - 1.0) / (ior + 1.0);
-    let upper = upper0 * upper0 + (1.0 - upper0 * upper0) * schlick_weight(cosine);
+    // As the reflection of bodies that are nearly alike, that of a film of nearly no index fades at grazing angles; see `dielectric_fresnel`.
+    let grazing = schlick_weight(cosine) * min(7.07 * abs(upper0), 1.0);
+    let upper = upper0 * upper0 + (1.0 - upper0 * upper0) * grazing;
     let passed = 1.0 - upper;
     let root = sqrt(clamp(f0, vec3f(0.0), vec3f(0.9999)));
     let base_ior = (vec3f(1.0) + root) / (vec3f(1.0) - root);
@@ -40,7 +42,7 @@ fn film_reflection(cosine: f32, film_ior: f32, thickness: f32, f0: vec3f) -> vec
     let shift = vec3f(PI) + select(vec3f(0.0), vec3f(PI), base_ior < vec3f(ior));
     let path = 2.0 * ior * thickness * inner_cosine;
 
-    let both = clamp(upper * lower, vec3f(1e-5), vec3f(0.9999));
+    let both = clamp(upper * lower, vec3f(0.0), vec3f(0.9999));
     let amplitude = sqrt(both);
     let between = passed * passed * lower / (vec3f(1.0) - both);
     var reflected = vec3f(upper) + between;

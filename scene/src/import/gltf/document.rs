@@ -58,6 +58,8 @@ pub(super) struct Document {
     pub(super) environments: Vec<Option<Value>>,
     /// `animations`, whatever that is; null where none are wanted.
     pub(super) animations: Value,
+    /// It has animations, wanted or not.
+    pub(super) has_animations: bool,
     /// Its morph targets have more than positions, normals and tangents.
     morphs_others: bool,
     /// Where it lies.
@@ -107,6 +109,7 @@ impl Document {
             root,
             environments,
             animations,
+            has_animations,
             morphs_others,
         } =
             json_text::parse(&file[parts.json.clone()], is_read, with_animations).map_err(|error| match error {
@@ -129,6 +132,7 @@ impl Document {
             root,
             environments,
             animations,
+            has_animations,
             morphs_others,
             budget: Arc::clone(budget),
             id: files.id(path),
@@ -321,7 +325,8 @@ impl Document {
             .root
             .extensions_required
             .iter()
-            .find(|name| !is_read(name));
+            // What changes no picture at rest is missed by none; what it moves has its own warning.
+            .find(|name| !is_read(name) && !INVISIBLE_EXTENSIONS.contains(&name.as_str()));
         match unsupported {
             None => Ok(()),
             Some(name) => Err(self.unsupported(name)),

@@ -66,8 +66,9 @@ impl Builder<'_> {
             built.dropped.add(part.dropped);
             built.warnings.extend(part.warnings);
         }
-        custom::take_joined(self.document, &meshes)
-            .at(path, || format!("mesh {index} \"{name}\""))?;
+        let place = || format!("mesh {index} \"{name}\"");
+        self.complete_tangents(&mut meshes, pose).at(path, place)?;
+        custom::take_joined(self.document, &meshes).at(path, place)?;
         built.mesh = merge(meshes);
         built.mesh.name = name;
         Ok(built)
@@ -211,6 +212,19 @@ impl Builder<'_> {
         }
         Ok(())
     }
+
+    /// Where some of the primitives that become one mesh have tangents the others get theirs, by their first texture coordinates: the
+    /// mesh has some then, and nobody makes them later for what reads them.
+    fn complete_tangents(&self, parts: &mut [Mesh], pose: &Pose) -> Result<(), Fault> {
+        if parts.iter().all(|part| part.tangents.is_empty()) {
+            return Ok(());
+        }
+        let without = |part: &&mut Mesh| part.tangents.is_empty() && !part.uv0.is_empty();
+        for part in parts.iter_mut().filter(without) {
+            tangents::make(part, 0, pose.bends, &self.document.budget)?;
+        }
+        Ok(())
+    }
 }
 
 /// Texture coordinates, colours and custom attributes of the vertices `used`.
@@ -262,4 +276,49 @@ pub(super) fn has_triangles(primitive: &json::mesh::Primitive) -> bool {
         primitive.mode,
         Checked::Valid(Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan)
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{floats, import, square};
+    use glam::Vec3;
+    use serde_json::json;
+
+    /// One primitive has tangents, the other has none, and texture coordinates that go down the square.
+    #[test]
+    fn a_primitive_joined_with_one_that_has_tangents_gets_its_own() {
+        let mut tree = square();
+        let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let normals = [[0.0f32, 0.0, 1.0]; 4].concat();
+        let tangents = [[1.0f32, 0.0, 0.0, 1.0]; 4].concat();
+        let uv = corners.map(|[x, y]: [f32; 2]| [1.0 - y, x]).concat();
+        for (numbers, kind) in [(normals, "VEC3"), (tangents, "VEC4"), (uv, "VEC2")] {
+            let number = tree["buffers"].as_array().unwrap().len();
+            let mut push = |list: &str, item| tree[list].as_array_mut().unwrap().push(item);
+            push("buffers", floats(&numbers));
+            push(
+                "bufferViews",
+                json!({ "buffer": number, "byteLength": numbers.len() * 4 }),
+            );
+            push(
+                "accessors",
+                json!({ "bufferView": number + 1, "componentType": 5126, "count": 4, "type": kind }),
+            );
+        }
+        let with = json!({ "POSITION": 1, "NORMAL": 2, "TANGENT": 3 });
+        let without = json!({ "POSITION": 1, "NORMAL": 2, "TEXCOORD_0": 4 });
+        tree["meshes"][0]["primitives"] = json!([
+            { "attributes": with, "indices": 0 },
+            { "attributes": without, "indices": 0 },
+        ]);
+        let scene = import(tree).unwrap_or_else(|e| panic!("{e}")).scene;
+        let tangents = &scene.meshes[0].tangents;
+        assert_eq!(tangents.len(), 8);
+        let along = |tangent: Vec3, wanted: Vec3| tangent.abs_diff_eq(wanted, 1e-5);
+        assert!(tangents[..4].iter().all(|t| along(t.truncate(), Vec3::X)));
+        assert!(
+            (tangents[4..].iter()).all(|t| along(t.truncate(), Vec3::NEG_Y)),
+            "{tangents:?}"
+        );
+    }
 }

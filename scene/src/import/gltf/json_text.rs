@@ -57,6 +57,8 @@ pub(super) struct Parsed {
     pub(super) environments: Vec<Option<Value>>,
     /// `animations`, whatever that is; null where it isn't wanted.
     pub(super) animations: Value,
+    /// It has some, wanted or not.
+    pub(super) has_animations: bool,
     /// Morph targets have more than [`MORPHED`], which no type keeps.
     pub(super) morphs_others: bool,
 }
@@ -81,6 +83,7 @@ pub(super) fn parse(
         text: Vec::new(),
         environments: Vec::new(),
         animations: Value::Null,
+        has_animations: false,
         morphs_others: false,
         with_animations,
         left: FREE + FACTOR * text.len() as u64,
@@ -101,6 +104,7 @@ pub(super) fn parse(
             root,
             environments: rewriter.environments,
             animations: rewriter.animations,
+            has_animations: rewriter.has_animations,
             morphs_others: rewriter.morphs_others,
         }),
         // Reading the text itself gives the same error with its own line and column.
@@ -117,6 +121,7 @@ struct Rewriter {
     text: Vec<u8>,
     environments: Vec<Option<Value>>,
     animations: Value,
+    has_animations: bool,
     morphs_others: bool,
     with_animations: bool,
     /// Bytes that values may still take; 0 once one was refused.
@@ -323,6 +328,7 @@ impl<'de> Visitor<'de> for Part<'_> {
         let (mut is_first, mut has_nodes, mut environment) = (true, false, None);
         self.to.text.push(b'{');
         while let Some(key) = map.next_key::<String>()? {
+            self.to.has_animations |= self.place == Place::Root && key == "animations";
             match self.place_of(&key) {
                 Some(Place::SceneExtras) => {
                     let extras = self.aside(Place::SceneExtras, &mut map)?;
@@ -429,8 +435,9 @@ mod tests {
         let moving = kept.replace("\"nodes\"", "\"animations\"");
         assert!(matches!(read(&moving), Err(JsonError::TooLarge)));
         let resting = parse(moving.as_bytes(), |_| true, false);
-        assert!(resting.is_ok_and(|parsed| parsed.animations.is_null()));
+        assert!(resting.is_ok_and(|parsed| parsed.animations.is_null() && parsed.has_animations));
         let ignored = kept.replace("\"nodes\"", "\"x\"");
-        assert!(parsed(&ignored).root.nodes.is_empty());
+        let ignored = parsed(&ignored);
+        assert!(ignored.root.nodes.is_empty() && !ignored.has_animations);
     }
 }

@@ -515,6 +515,10 @@ fn a_light_that_can_not_be_used_is_not_gone() {
     let body = json!({ "mesh": 0, "children": [1, 2, 3, 4] });
     let nodes = std::iter::once(body).chain((0..4).map(node));
     tree["nodes"] = nodes.collect();
+    // Nothing brings one back in a file that never moves.
+    let still = import(tree.clone()).expect("it is sound");
+    assert!(still.scene.lights.is_empty() && still.names.gone_lights.is_empty());
+    animate(&mut tree, 0, "translation", &[0.0, 1.0], &RIGHT);
     let read = import(tree).expect("it is sound");
     assert!(read.scene.lights.is_empty());
     let gone: Vec<_> = read.names.gone_lights.into_iter().collect();

@@ -323,8 +323,8 @@ pub(super) fn lights_and_cameras(
                     node_names.lights.push(node_name());
                     lights.push(light);
                 }
-                // Nothing but its transform is in the way, which may be another one at another moment.
-                None if lights_cameras::is_sound(source) => {
+                // Nothing but its transform is in the way, which may be another one at another moment, where there are several.
+                None if lights_cameras::is_sound(source) && document.has_animations => {
                     node_names.gone_lights.insert((node_name(), name));
                 }
                 None => {}

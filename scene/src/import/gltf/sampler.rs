@@ -4,6 +4,10 @@ use super::document::Document;
 use crate::import::error::Fault;
 use glam::DQuat;
 
+/// By what share of itself a moment may come before a key and still be the key's: times of keys are rounded to `f32`, by up to 6e-8,
+/// and a frame's are not, so that every other key at a frame would be missed by it.
+const SAME_TIME: f64 = 2e-7;
+
 /// How values lie between two keys.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Interpolation {
@@ -122,9 +126,10 @@ impl Sampler {
 
     /// As [`Self::at`], with `mix` for the linear interpolation between two values.
     fn between(&self, seconds: f64, mix: impl FnOnce(&[f64], &[f64], f64) -> Vec<f64>) -> Vec<f64> {
+        let reached = seconds + SAME_TIME * seconds.abs();
         let next = self
             .times
-            .partition_point(|&time| f64::from(time) <= seconds);
+            .partition_point(|&time| f64::from(time) <= reached);
         let last = self.times.len() - 1;
         if next == 0 {
             return self.value(0);
@@ -133,9 +138,9 @@ impl Sampler {
             return self.value(last);
         }
         let (before, from) = (next - 1, f64::from(self.times[next - 1]));
-        // They differ: the one is not after the moment, the other is.
+        // They differ: the one is reached, the other isn't.
         let duration = f64::from(self.times[next]) - from;
-        let s = (seconds - from) / duration;
+        let s = ((seconds - from) / duration).max(0.0);
         match self.interpolation {
             Interpolation::Step => self.value(before),
             Interpolation::Linear => mix(&self.value(before), &self.value(next), s),
@@ -213,6 +218,24 @@ mod tests {
         let step = sampler(&[1.0, 2.0], &[3.0, 4.0], 1, Interpolation::Step);
         for (time, wanted) in [(0.0, 3.0), (1.99, 3.0), (2.0, 4.0), (9.0, 4.0)] {
             assert_eq!(step.at(time), [wanted], "{time}");
+        }
+    }
+
+    /// As exporters write them: the number of the frame by the rate, rounded to what the file holds.
+    #[test]
+    fn keys_at_frames_are_reached_at_these_frames() {
+        for rate in [24.0, 25.0, 30.0, 23.976, 60.0] {
+            let times: Vec<f32> = (0..3000).map(|k| (f64::from(k) / rate) as f32).collect();
+            let values: Vec<f32> = (0..3000).map(|k| k as f32).collect();
+            let of = |how| sampler(&times, &values, 1, how);
+            let [step, linear] = [Interpolation::Step, Interpolation::Linear].map(of);
+            for k in 0..3000 {
+                let k = f64::from(k);
+                assert_eq!(step.at(k / rate), [k], "at a rate of {rate}");
+                assert!((linear.at(k / rate)[0] - k).abs() < 0.002, "{k} at {rate}");
+                // Halfway to the next one it isn't reached.
+                assert_eq!(step.at((k + 0.5) / rate), [k], "at a rate of {rate}");
+            }
         }
     }
 

@@ -308,6 +308,15 @@ fn a_required_extension_is_named_and_an_optional_one_a_warning() {
     assert!(message.contains("without mesh compression"), "{message}");
 
     let mut tree = square();
+    tree["extensionsRequired"] = json!(["KHR_animation_pointer", "KHR_xmp_json_ld"]);
+    assert!(
+        import(tree)
+            .expect("they can't be seen")
+            .warnings
+            .is_empty()
+    );
+
+    let mut tree = square();
     tree["materials"] = json!([{ "extensions": { "KHR_materials_volume_scatter": {} } }, { "extensions": { "KHR_materials_volume_scatter": {} } }]);
     let warnings = import(tree).unwrap().warnings;
     assert_eq!(warnings.len(), 1);

@@ -5,13 +5,21 @@ use crate::{CustomAttribute, Mesh};
 use glam::{Vec2, Vec3, Vec4};
 use std::collections::BTreeSet;
 
-/// Joins the primitives of a mesh. An attribute that only some of them have gets its neutral value in the others.
+/// Joins the primitives of a mesh. An attribute that only some of them have gets its neutral value in the others; tangents are better made
+/// before.
 pub(in crate::import) fn merge(mut parts: Vec<Mesh>) -> Mesh {
     if parts.len() == 1 {
         return parts.remove(0);
     }
     for_missing(&mut parts, |m| &mut m.uv0, |_| Vec2::ZERO);
-    for_missing(&mut parts, |m| &mut m.uv1, |_| Vec2::ZERO);
+    // The second set of a primitive that has one only is its first, as of a mesh that has one only.
+    if parts.iter().any(|part| !part.uv1.is_empty()) {
+        for part in parts.iter_mut().filter(|part| part.uv1.is_empty()) {
+            part.uv1.clone_from(&part.uv0);
+            // None has a first set.
+            part.uv1.resize(part.positions.len(), Vec2::ZERO);
+        }
+    }
     for_missing(&mut parts, |m| &mut m.colors, |_| Vec4::ONE);
     for_missing(
         &mut parts,
@@ -73,5 +81,33 @@ fn for_missing<T>(
             let values = part.normals.iter().map(|&normal| neutral(normal)).collect();
             *attribute(part) = values;
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_second_texture_coordinates_of_a_part_without_them_are_its_first() {
+        let part = |uv0: Vec2, uv1: Option<Vec2>| Mesh {
+            positions: vec![Vec3::ZERO; 3],
+            normals: vec![Vec3::Z; 3],
+            uv0: vec![uv0; 3],
+            uv1: uv1.map_or_else(Vec::new, |uv| vec![uv; 3]),
+            triangles: vec![[0, 1, 2]],
+            triangle_materials: vec![0],
+            ..Mesh::default()
+        };
+        let [a, b, c] = [0.25, 0.5, 0.75].map(Vec2::splat);
+        let joined = merge(vec![part(a, None), part(b, Some(c))]);
+        assert_eq!(joined.uv0, [[a; 3], [b; 3]].concat());
+        assert_eq!(joined.uv1, [[a; 3], [c; 3]].concat());
+        let one_set = merge(vec![part(a, None), part(b, None)]);
+        assert!(one_set.uv1.is_empty());
+        let mut bare = part(a, None);
+        bare.uv0.clear();
+        let joined = merge(vec![bare, part(b, Some(c))]);
+        assert_eq!(joined.uv1, [[Vec2::ZERO; 3], [c; 3]].concat());
     }
 }

@@ -327,6 +327,40 @@ fn files_are_packed_in_every_way() {
 }
 
 #[test]
+fn bright_colours_stay_finite_where_blocks_are_transformed() {
+    let layers = Layers::named(["depth", "emission"]).expect("known");
+    let mut film = Film::with_layers(24, 24, layers);
+    for pixel in 0..film.pixels() {
+        let value = if pixel % 7 == 0 { 65504.0 } else { 0.25 };
+        film.add_sample(pixel, [value; 3]);
+        film.add_surface(pixel, 0, |layer| match layer.name {
+            "depth" => [1e7, 0.0, 0.0],
+            _ => [3.0 * value; 3],
+        });
+    }
+    for compression in [Compression::Dwaa, Compression::Dwab] {
+        for float in [&[][..], &["all"]] {
+            let form = Form::new(compression, &[""; 0], float).expect("a form");
+            let content = Content {
+                form: &form,
+                ..Content::from(&film)
+            };
+            let (channels, _) = read(&written(content));
+            for name in ["Combined.R", "Combined.B", "Emission.G"] {
+                let values = &channels[&format!("ViewLayer.{name}")];
+                assert!(
+                    values.iter().all(|v| v.is_finite()),
+                    "{compression:?} {name}"
+                );
+                let most = values.iter().copied().fold(0.0, f32::max);
+                assert!(most > 40_000.0, "{compression:?} {name}: {most}");
+            }
+            assert_eq!(channels["ViewLayer.Depth.Z"], [1e7; 24 * 24]);
+        }
+    }
+}
+
+#[test]
 fn b44_packs_what_it_has_room_for() {
     // The last row of the first two is too little for whole squares of 4 x 4 numbers, two rows are just enough.
     for (width, height, has_room) in [
@@ -389,6 +423,45 @@ fn groups_of_lights_have_their_names() {
     assert!(channels.contains_key("ViewLayer.Combined_rest.G"));
     assert!(channels.contains_key("ViewLayer.Combined_key.B"));
     assert!(!channels.contains_key("ViewLayer.Combined_1.B"));
+}
+
+#[test]
+fn groups_of_lights_add_up_to_what_lies_in_front() {
+    let names = ["light_group_0", "light_group_1"];
+    let layers = Layers::named(TRANSPARENCY.into_iter().chain(["light_groups"])).expect("known");
+    let mut film = Film::with_layers(2, 1, layers);
+    // The sky alone, and half of it behind a surface that it and a lamp light.
+    for (pixel, [sky, lit, lamp]) in [(0, [0.5, 0.0, 0.0]), (1, [0.25, 0.125, 0.5])] {
+        film.add_sample(pixel, [sky + lit + lamp; 3]);
+        film.add_surface(pixel, 0, |layer| match layer.name {
+            "environment" => [sky; 3],
+            "alpha" => [0.5 * pixel as f32, 0.0, 0.0],
+            "light_group_0" => [lamp; 3],
+            "light_group_1" => [sky + lit; 3],
+            _ => [0.0; 3],
+        });
+    }
+    let mut origin = Origin::new("", Path::new(""), None, Vec::new());
+    for (layer, name) in names.into_iter().zip(["rest", "day"]) {
+        origin.names.insert(layer.to_owned(), vec![name.to_owned()]);
+    }
+    let of_environment = vec![names[1].to_owned()];
+    (origin.names).insert("environment".to_owned(), of_environment);
+    for (transparent, day) in [(true, [0.0_f32, 0.125]), (false, [0.5, 0.375])] {
+        let content = Content {
+            transparent,
+            ..Content::from(&film)
+        };
+        let mut file = io::Cursor::new(Vec::new());
+        write(&mut file, &content, &Metadata::new(&film, &origin)).expect("written");
+        let (channels, _) = read(&file.into_inner());
+        assert_eq!(channels["ViewLayer.Combined_day.G"], day);
+        let sum = |pixel: usize| {
+            let of = |name: &str| channels[&format!("ViewLayer.{name}.G")][pixel];
+            assert_eq!(of("Combined_day") + of("Combined_rest"), of("Combined"));
+        };
+        (0..2).for_each(sum);
+    }
 }
 
 #[test]
