@@ -277,7 +277,8 @@ fn halves_differ_by_the_noise_of_caches_too() {
     let blocks = || (0..12).map(|i| (i % 4, i / 4));
     for method in [Method::Draft, Method::Cache] {
         let (mut told, mut sums, mut squares) = (0.0, [Vec3::ZERO; 12], 0.0);
-        let seeds = 20;
+        // A few records by chance have most of it, so that 20 pictures may differ by as much as a factor of two.
+        let seeds = 40;
         for seed in 0..seeds {
             let settings = RenderSettings {
                 paths_ahead: 1 << 13,

@@ -152,17 +152,9 @@ fn half_of(path: PathId) -> u32 {
     return half;
 }
 
-// Where a cell isn't known well, a wider one helps out, with a side so many times as long: in a mean of both it counts as much as the least count
-// of paths.
-const WIDER = 4.0;
-// Above so many times that, the cell is known well.
-const WELL_KNOWN = 32.0;
-
-// Of a path that is learned from: its cell, or NO_CELL, and its throughput there; what it had gathered before, and its wider cell,
-// or NO_WIDER_CELL, plus whether all of this is known yet. Cells begin at multiples of eight words.
+// Of a path that is learned from: its cell, or NO_CELL, and its throughput there; what it had gathered before, and whether all of this
+// is known yet.
 const RECORD_NONE = 0u;
 const RECORD_BEGUN = 1u;
 const RECORD_KNOWN = 2u;
 const RECORD_DEEP = 3u; // known, and the path has scattered as often as it may: the cell has been told what it had found before
-const RECORD_STATE = 7u;
-const NO_WIDER_CELL = 0xfffffff8u;

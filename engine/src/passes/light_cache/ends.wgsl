@@ -71,20 +71,8 @@ fn cell_of_place(place: CachedPlace, begins: bool) -> u32 {
     return cell_at(place.position + place.offset, place.normal, place.view, place.side, place.half, begins);
 }
 
-fn wider_cell_of_place(place: CachedPlace, begins: bool) -> u32 {
-    return cell_at(place.position + WIDER * place.offset, place.normal, place.view, WIDER * place.side, place.half, begins);
-}
-
 // What surfaces scatter there on average, and in w whether enough is known of it; `lesser` as for `cell_mean`.
 fn known_mean(place: CachedPlace, lesser: u32) -> vec4f {
-    let least = f32(light_cache_settings.least_count);
     let mean = cell_mean(cell_of_place(place, false), lesser);
-    let is_wide = place.spread > LEAST_SPREAD * WIDER * WIDER * place.side * place.side;
-    if (is_wide && mean.w < WELL_KNOWN * least) {
-        let wider = cell_mean(wider_cell_of_place(place, false), lesser);
-        if (wider.w >= least) {
-            return vec4f(mix(wider.xyz, mean.xyz, mean.w / (mean.w + least)), 1.0);
-        }
-    }
-    return vec4f(mean.xyz, f32(mean.w >= least));
+    return vec4f(mean.xyz, f32(mean.w >= f32(light_cache_settings.least_count)));
 }

@@ -16,18 +16,14 @@ fn scattered_from(slot: u32, radiance: vec3f) -> vec4f {
     return select(vec4f(0.0), vec4f(scattered, 1.0), is_finite);
 }
 
-// Tells a path's cells so; `lesser` as for `cell_mean`.
+// Tells a path's cell so; `lesser` as for `cell_mean`.
 fn tell(slot: u32, scattered: vec4f, lesser: u32) {
     if (scattered.w == 0.0) {
         return;
     }
     let cell = path_words(light_cache_settings.record, slot).x;
-    let wider = path_words(light_cache_settings.record + 1u, slot).w & ~RECORD_STATE;
     if (cell != NO_CELL) {
         cell_add(cell + lesser, scattered.xyz);
-    }
-    if (wider != NO_WIDER_CELL) {
-        cell_add(wider + lesser, scattered.xyz);
     }
 }
 
@@ -46,21 +42,19 @@ fn note_light(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups) 
     }
     let slot = queue_read(QUEUE_ACTIVE, index);
     let field = light_cache_settings.record + 1u;
-    let state = path_words(field, slot).w;
-    let known_as = state & RECORD_STATE;
+    let known_as = path_words(field, slot).w;
     if (known_as == RECORD_BEGUN) {
         var before = path_read(PATH_RADIANCE, slot).xyz;
         if (light_cache_settings.photons != 0u) {
             // What photons bring to the cell's own surface, it scatters.
             before -= path_read(PATH_DIFFUSE, slot).xyz;
         }
-        path_set_words(field, slot, vec4u(bitcast<vec3u>(before), (state & ~RECORD_STATE) | RECORD_KNOWN));
+        path_set_words(field, slot, vec4u(bitcast<vec3u>(before), RECORD_KNOWN));
     }
     if (known_as != RECORD_NONE && known_as != RECORD_DEEP && tells_lesser() && path_is_last(slot)) {
         // What has been scattered less often is all found by now.
         tell(slot, scattered_from(slot, path_read(PATH_RADIANCE, slot).xyz), light_cache_settings.lesser);
-        let words = path_words(field, slot);
-        path_set_words(field, slot, vec4u(words.xyz, (words.w & ~RECORD_STATE) | RECORD_DEEP));
+        path_set_words(field, slot, vec4u(path_words(field, slot).xyz, RECORD_DEEP));
     }
 }
 
@@ -74,9 +68,9 @@ fn learn_light(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups)
     }
     let field = light_cache_settings.record;
     let state = path_words(field + 1u, slot).w;
-    let is_deep = (state & RECORD_STATE) == RECORD_DEEP;
+    let is_deep = state == RECORD_DEEP;
     var scattered = vec4f(0.0);
-    if (is_deep || (state & RECORD_STATE) == RECORD_KNOWN) {
+    if (is_deep || state == RECORD_KNOWN) {
         var radiance = path_read(PATH_RADIANCE, slot).xyz;
         let is_known = !has_program_shadows || path_words(PATH_LIGHT_POINT, slot).x == MISS;
         if (rays[shadow_ray(slot)].triangle == MISS && is_known) {

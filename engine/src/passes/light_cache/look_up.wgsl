@@ -22,7 +22,7 @@ fn look_up_light(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroup
     let record = light_cache_settings.record;
     // Most paths that told the cells had scattered once before. One that has twice may go on from here once less.
     let ends = light_cache_settings.ends != 0u && state.z == 2u;
-    let begins = learns && (path_words(record + 1u, slot).w & RECORD_STATE) == RECORD_NONE;
+    let begins = learns && path_words(record + 1u, slot).w == RECORD_NONE;
     if (learns && !begins && !ends) {
         return; // the first place that a path can be learned from is what it would end at
     }
@@ -31,11 +31,9 @@ fn look_up_light(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroup
         return;
     }
     if (begins) {
-        let is_begun = begins_cells(path_id(slot));
-        let cell = cell_of_place(place, is_begun);
-        let wider = wider_cell_of_place(place, is_begun);
+        let cell = cell_of_place(place, begins_cells(path_id(slot)));
         path_set_words(record, slot, vec4u(cell, bitcast<vec3u>(throughput.xyz)));
-        path_set_words(record + 1u, slot, vec4u(0u, 0u, 0u, select(wider, NO_WIDER_CELL, wider == NO_CELL) | RECORD_BEGUN));
+        path_set_words(record + 1u, slot, vec4u(0u, 0u, 0u, RECORD_BEGUN));
         return;
     }
     let mean = known_mean(place, select(0u, light_cache_settings.lesser, learns));
