@@ -11,7 +11,7 @@ use exr::{ReadChannels as _, ReadLayers as _, ReadSpecificChannel as _};
 use image::codecs::hdr::HdrDecoder;
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 use std::collections::BTreeMap;
-use std::io::{Chain, Cursor, Read as _};
+use std::io::{Cursor, Read};
 
 /// What OpenEXR files begin with.
 const EXR: [u8; 4] = [0x76, 0x2F, 0x31, 0x01];
@@ -72,7 +72,7 @@ pub(super) fn decode(bytes: Vec<u8>) -> Result<(FloatImage, Vec<String>), Fault>
     Ok((FloatImage { width, height, rgb }, Vec::new()))
 }
 
-fn radiance(bytes: &[u8]) -> Result<HdrDecoder<Chain<&[u8], &[u8]>>, Fault> {
+fn radiance(bytes: &[u8]) -> Result<HdrDecoder<impl Read>, Fault> {
     // The program's name in the first line may be any; older files have "RGBE", the decoder knows one.
     let line = bytes.iter().position(|&b| b == b'\n');
     let rest = line.map_or(&[][..], |end| &bytes[end..]);
