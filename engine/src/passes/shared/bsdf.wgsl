@@ -217,10 +217,12 @@ fn lobes(b: Bsdf, wo: vec3f) -> Lobes {
                 // The same at the surface of a body, where what single scattering leaves depends on the index too.
                 l.through = 1.0 / max(glass_albedo(place.x, place.y, b.eta), 0.1);
                 // The place is a metal's. By furnaces of balls, plates and cubes, glass that is rough along one way and much less so across
-                // makes up to 0.04 of light there, where the one width is near 1 and the indices aren't alike; else none.
+                // makes up to 0.04 of light there, where the one width is near 1 and the ratio of the indices about 1.5; half of it at 1.2
+                // and 2.4, else none.
                 let wide = max(b.alpha.x, b.alpha.y);
-                let alike = min(7.07 * abs(b.eta - 1.0) / (b.eta + 1.0), 1.0);
-                l.through /= 1.0 + 0.025 * sqrt(stretch2(b)) * wide * wide * wide * alike;
+                let ratio = max(b.eta, 1.0 / b.eta);
+                let excess = saturate(2.5 * (ratio - 1.0)) * saturate((3.0 - ratio) / 1.2);
+                l.through /= 1.0 + 0.025 * sqrt(stretch2(b)) * wide * wide * wide * excess;
             }
         }
         if (has_layers && l.cover > 0.0) {
