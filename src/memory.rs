@@ -194,18 +194,23 @@ impl Need {
         if needed - there <= limit {
             return Ok(());
         }
-        let retry = match most {
-            Some(_) => String::new(),
-            None => format!(
-                "; --memory {}G tries it all the same",
-                needed.div_ceil(1 << 30)
-            ),
-        };
         Err(Failure::Failed(format!(
-            "the render takes {} of memory, {because}: {remedy}{retry}; it would take {}",
+            "the render takes {} of memory, {because}: {remedy}{}; it would take {}",
             shown(needed),
+            retry(most, needed),
             self.text()
         )))
+    }
+}
+
+/// How to have so many bytes taken all the same, where nobody has said how many may be.
+fn retry(most: Option<u64>, needed: u64) -> String {
+    match most {
+        Some(_) => String::new(),
+        None => format!(
+            "; --memory {}G tries it all the same",
+            needed.div_ceil(1 << 30)
+        ),
     }
 }
 
@@ -266,17 +271,11 @@ fn environment_fits(
         (None, Some(left)) if needed > left => format!("but {} are left", shown(left)),
         _ => return Ok(()),
     };
-    let retry = match most {
-        Some(_) => String::new(),
-        None => format!(
-            "; --memory {}G tries it all the same",
-            needed.div_ceil(1 << 30)
-        ),
-    };
     Err(Failure::Failed(format!(
-        "the environment {} of {width}x{height} texels takes {} of memory while it is read, {because}: scale it down{retry}",
+        "the environment {} of {width}x{height} texels takes {} of memory while it is read, {because}: scale it down{}",
         path.display(),
-        shown(needed)
+        shown(needed),
+        retry(most, needed)
     )))
 }
 

@@ -48,8 +48,13 @@ pub(crate) fn bytes(
         Environment::Image { image, .. } => {
             let texels = u64::from(image.width) * u64::from(image.height);
             let cells = texels.min(u64::from(MAX_TABLE.0) * u64::from(MAX_TABLE.1));
-            // The table has every cell twice; it is there once more while it is made, and so is a strip of the picture.
-            TEXEL * (texels + 4 * cells + texels.min(u64::from(STRIP)))
+            // The processor has one strip of the picture beside it while it is made; drivers keep all of them until they are handed over.
+            let on_the_way = match device.traits().calls_functions {
+                true => texels.min(u64::from(STRIP)),
+                false => texels,
+            };
+            // The table has every cell twice, and is there once more while it is made.
+            TEXEL * (texels + 4 * cells + on_the_way)
         }
     };
     let records = scene.instances.len() * size_of::<GpuInstance>()
