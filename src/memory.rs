@@ -6,7 +6,6 @@ use std::path::Path;
 
 use device::Device;
 use engine::film::Layers;
-use engine::film::layers::VECTOR;
 use engine::film::write::Format;
 use engine::procedural::Procedural;
 use engine::renderer::{DeviceMemory, RenderSettings, file_bytes, snapshot_bytes};
@@ -36,10 +35,8 @@ pub(crate) struct Need {
     film: u64,
     /// What files are made from, the noise is looked at with, or the picture is judged by.
     files: u64,
-    /// The scene's pictures, as the program keeps them.
+    /// The scene's pictures, as the program keeps them: they are there already, and those of other moments are the same.
     pictures: u64,
-    /// Those of them that are there already.
-    held: u64,
 }
 
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -97,7 +94,7 @@ impl Need {
             Format::Exr => file_bytes(settings, &job.shown_layers),
             Format::Png | Format::Jpeg => SHOWN * pixels,
         };
-        let pictures = job.outputs.pictures.iter();
+        let outputs = job.outputs.pictures.iter();
         let size = [settings.width, settings.height].map(u64::from);
         let look = job.limits.flip.map(|_| noise_bytes(size));
         let environment = match &scene.environment {
@@ -107,18 +104,11 @@ impl Need {
             }
         };
         let images = scene.images.iter().map(|image| image.rgba8.len() as u64);
-        let held = environment + images.sum::<u64>();
-        // Of several moments the next one's is there beside the last one's, and beside that which both were made from.
-        let has_moments = job.motion.is_sequence()
-            || job.motion.shutter.is_some()
-            || job.layers.iter().any(|layer| layer.name == VECTOR);
-        let further = if has_moments { 2 * environment } else { 0 };
         Self {
-            pictures: held + further,
-            held,
+            pictures: environment + images.sum::<u64>(),
             devices: on_devices,
             film: copies * snapshot_bytes(settings),
-            files: pictures
+            files: outputs
                 .map(|output| file(output.format))
                 .chain(look)
                 .chain(judged_by)
@@ -190,7 +180,7 @@ impl Need {
         };
         let needed = self.machine();
         // What is there already isn't among what is left.
-        let there = if most.is_some() { 0 } else { self.held };
+        let there = if most.is_some() { 0 } else { self.pictures };
         if needed - there <= limit {
             return Ok(());
         }
@@ -324,7 +314,6 @@ mod tests {
             film: 1 << 30,
             files: 1 << 30,
             pictures: 0,
-            held: 0,
         }
     }
 
@@ -334,13 +323,12 @@ mod tests {
         let whole = bare.machine();
         let with = Need {
             pictures: 3 << 30,
-            held: 1 << 30,
             ..bare
         };
         assert!(with.text().ends_with("3.0 GiB for the scene's pictures"));
         let fits = |most, left| with.check(most, left).is_ok();
         assert!(fits(Some(whole + (3 << 30)), None) && !fits(Some(whole + (2 << 30)), None));
-        assert!(fits(None, Some(whole + (2 << 30))) && !fits(None, Some(whole + (1 << 30))));
+        assert!(fits(None, Some(whole)) && !fits(None, Some(whole - 1)));
     }
 
     #[test]

@@ -4,7 +4,10 @@
 
 mod material;
 
-use std::f32::consts::{PI, TAU};
+use std::{
+    f32::consts::{PI, TAU},
+    sync::Arc,
+};
 
 use glam::{Affine3A, Mat3A, Quat, Vec2, Vec3, Vec4};
 use texgen::{Diagnostic, Diagnostics, OutputType, Value};
@@ -174,11 +177,11 @@ fn sky() -> Environment {
         }
     }
     Environment::Image {
-        image: FloatImage {
+        image: Arc::new(FloatImage {
             width: WIDTH,
             height: HEIGHT,
             rgb,
-        },
+        }),
         rotation: 0.0,
         intensity: 1.0,
     }

@@ -42,7 +42,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let environment = match rest.first() {
         Some(path) => Environment::Image {
-            image: load_environment_image(&engine::input::Disk, Path::new(path))?.0,
+            image: load_environment_image(&engine::input::Disk, Path::new(path))?
+                .0
+                .into(),
             rotation: 0.0,
             intensity: INTENSITY,
         },

@@ -1,5 +1,7 @@
 //! Light from infinitely far away.
 
+use std::sync::Arc;
+
 use glam::Vec3;
 
 use crate::FloatImage;
@@ -11,8 +13,8 @@ pub enum Environment {
     Constant(Vec3),
     /// An equirectangular picture.
     Image {
-        /// Linear radiance.
-        image: FloatImage,
+        /// Linear radiance. Scenes of other moments share it.
+        image: Arc<FloatImage>,
         /// Degrees about +Y, counter-clockwise seen from above: direction (x, y, z) reads
         /// u = frac(atan2(x, -z) / 2π + rotation / 360), v = acos(y) / π.
         rotation: f32,

@@ -1,6 +1,9 @@
 //! A clear sky with its sun, from a few numbers: a picture of the environment and a directional light.
 
-use std::f32::consts::{FRAC_PI_2, PI, TAU};
+use std::{
+    f32::consts::{FRAC_PI_2, PI, TAU},
+    sync::Arc,
+};
 
 use glam::Vec3;
 use rayon::prelude::*;
@@ -74,11 +77,11 @@ impl Sky {
             .flat_map(|row| row.iter().chain(row.iter().rev()).copied())
             .collect();
         let environment = Environment::Image {
-            image: FloatImage {
+            image: Arc::new(FloatImage {
                 width: WIDTH,
                 height: HEIGHT,
                 rgb,
-            },
+            }),
             rotation: -self.sun_azimuth,
             intensity: self.intensity,
         };

@@ -1,4 +1,4 @@
-//! Which transparent bodies a camera is in. A path knows the bodies that it has gone into; where it begins in some, the frame tells
+//! Which transparent bodies a camera or a lamp is in. A path knows the bodies that it has gone into; where it begins in some, the frame tells
 //! it of them, so that what else is in there is seen through what they are made of.
 
 use glam::{Affine3A, Vec3};
@@ -10,7 +10,7 @@ use crate::{
     texturing::ProgramTraits,
 };
 
-use super::{inverse, materials};
+use super::{inverse, lights::Lamp, materials};
 
 /// Bodies that a path remembers, as in `media.wgsl`.
 const MOST: usize = 4;
@@ -79,6 +79,22 @@ impl Bodies {
         program: impl Fn(u32) -> ProgramTraits,
     ) -> bool {
         self.bounds == bounding(scene, program)
+    }
+
+    /// For each light those that hold it, as [`Self::around`] has them; none for lights of a lamp that isn't in the same ones
+    /// throughout.
+    pub(crate) fn around_lamps(&self, lamps: &[Lamp]) -> Vec<[u32; MOST]> {
+        let around = |lamp: &Lamp| {
+            let mut media = lamp.places.iter().map(|&place| self.around(place));
+            let first = media.next().unwrap_or_default();
+            let media = if media.all(|media| media == first) {
+                first
+            } else {
+                [0; MOST]
+            };
+            std::iter::repeat_n(media, lamp.lights)
+        };
+        lamps.iter().flat_map(around).collect()
     }
 
     /// The bodies that hold a point, the innermost first, as a path has them: 1 + material, 0 for none.
@@ -268,6 +284,32 @@ mod tests {
         };
         assert_eq!(around(&scene, Vec3::new(0.2, 1.5, 0.1)), [1, 0, 0, 0]);
         assert_eq!(around(&scene, Vec3::new(0.2, 1.5, 0.7)), [0; 4]);
+    }
+
+    /// What isn't in the same bodies throughout is in none that one could name.
+    #[test]
+    fn a_lamp_is_in_the_bodies_that_all_of_it_is_in() {
+        let mut scene = Scene {
+            materials: vec![glass()],
+            meshes: vec![cube(0)],
+            ..Scene::default()
+        };
+        scene.instances.push(placed(0, Affine3A::IDENTITY));
+        let bodies = Bodies::of(&scene, |_| ProgramTraits::default());
+        let lamp = |lights, heights: &[f32]| Lamp {
+            lights,
+            places: heights.iter().map(|y| Vec3::Y * *y).collect(),
+        };
+        let lamps = [
+            lamp(2, &[0.2, -0.3]),
+            lamp(1, &[3.0]),
+            lamp(3, &[0.5, 1.5]),
+            lamp(1, &[0.0]),
+        ];
+        let first: Vec<u32> = (bodies.around_lamps(&lamps).iter())
+            .map(|media| media[0])
+            .collect();
+        assert_eq!(first, [1, 1, 0, 0, 0, 0, 1]);
     }
 
     #[test]

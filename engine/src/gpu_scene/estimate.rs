@@ -91,6 +91,8 @@ fn lights(scene: &Scene, program: impl Fn(u32) -> ProgramTraits) -> u64 {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use device::DeviceChoice;
 
     use super::*;
@@ -127,11 +129,11 @@ mod tests {
         let mut scene = Scene::default();
         let without = bytes_of(&scene, &[]);
         scene.environment = Environment::Image {
-            image: FloatImage {
+            image: Arc::new(FloatImage {
                 width: 16384,
                 height: 8192,
                 rgb: Vec::new(),
-            },
+            }),
             rotation: 0.0,
             intensity: 1.0,
         };

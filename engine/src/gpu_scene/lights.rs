@@ -128,6 +128,43 @@ pub struct LightTable {
     pub directional: Vec<GpuLight>,
     /// The hierarchy over `placed`.
     pub tree: Vec<GpuLightNode>,
+    /// Where those of `placed` are, a few at a time and in their order.
+    pub(super) lamps: Vec<Lamp>,
+}
+
+/// Lights that lie together, to be asked where they are: a point, or neighbouring triangles of one instance.
+#[derive(Debug)]
+pub(crate) struct Lamp {
+    /// As many of the table's lights, behind those of the lamps before.
+    pub(crate) lights: usize,
+    /// Places among which it is, metres; above surfaces, on the side that they emit to.
+    pub(crate) places: Vec<Vec3>,
+}
+
+/// Most lamps of an instance that are asked for.
+const LAMPS: usize = 4;
+/// Places of a triangle lie so much of their distance to its middle from its corners, and above it so much of its size.
+const INSIDE: f32 = 0.01;
+const ABOVE: f32 = 1e-3;
+
+impl Lamp {
+    /// Of triangles, by their corners and the sign of their normals.
+    fn of(lights: &[GpuLight], handedness: f32) -> Self {
+        let mut asked = vec![0, lights.len() / 2, lights.len() - 1];
+        asked.dedup();
+        let places = asked.into_iter().flat_map(|number| {
+            let light = &lights[number];
+            let middle = light.position + (light.direction + light.intensity) / 3.0;
+            let normal = light.direction.cross(light.intensity) * handedness;
+            let rise = normal.normalize_or_zero() * (ABOVE * normal.length().sqrt());
+            let corners = [Vec3::ZERO, light.direction, light.intensity];
+            corners.map(|edge| (light.position + edge).lerp(middle, INSIDE) + rise)
+        });
+        Self {
+            lights: lights.len(),
+            places: places.collect(),
+        }
+    }
 }
 
 impl LightTable {
@@ -198,6 +235,7 @@ impl LightTable {
                 continue;
             }
             let handedness = handedness(&Mat3::from(instance.transform.matrix3));
+            let own = self.placed.len();
             let first = bvh.mesh_first_triangle[instance.mesh as usize];
             for (triangle, &t) in (first..).zip(&bvh.triangle_order[instance.mesh as usize]) {
                 let material = mesh.triangle_materials[t as usize];
@@ -239,6 +277,9 @@ impl LightTable {
                     ..GpuLight::zeroed()
                 });
             }
+            let own = &self.placed[own..];
+            let lamps = own.chunks(own.len().div_ceil(LAMPS).max(1));
+            (self.lamps).extend(lamps.map(|lights| Lamp::of(lights, handedness)));
         }
     }
 
@@ -284,6 +325,10 @@ impl LightTable {
                 surface: None,
             });
             self.placed.push(entry);
+            self.lamps.push(Lamp {
+                lights: 1,
+                places: vec![light.position],
+            });
         }
         for (light, cell) in self.directional.iter_mut().zip(alias_table(&irradiances)) {
             // `DISTANT_PROBABILITY` and `DISTANT_THRESHOLD`.

@@ -33,8 +33,14 @@ use crate::{
 };
 
 use self::{
-    bodies::Bodies, environment::GpuEnvironment, geometry::Geometry, host_traversal::HostTraversal,
-    images::GpuImages, lights::LightTable, materials::GpuMaterial, update::Uploaded,
+    bodies::Bodies,
+    environment::GpuEnvironment,
+    geometry::Geometry,
+    host_traversal::HostTraversal,
+    images::GpuImages,
+    lights::{Lamp, LightTable},
+    materials::GpuMaterial,
+    update::Uploaded,
 };
 
 pub use self::casters::MOST_TARGETS;
@@ -257,6 +263,8 @@ pub struct GpuScene {
     pub(crate) casters: Vec<Vec4>,
     /// Which transparent bodies are where.
     pub(crate) bodies: Bodies,
+    /// Where the lights with a place are.
+    pub(crate) lamps: Vec<Lamp>,
     /// What later changes of materials are compared with.
     uploaded: Uploaded,
 }
@@ -389,6 +397,7 @@ impl GpuScene {
             image_bytes: images.bytes,
             casters: casters::targets(scene, &program),
             bodies: Bodies::of(scene, &program),
+            lamps: lights.lamps,
         })
     }
 }

@@ -220,6 +220,7 @@ impl GpuScene {
         put(device, resources, "lights", &lights.bytes())?;
         put(device, resources, "materials", &records)?;
         self.light_count = lights.placed.len() as u32;
+        self.lamps = lights.lamps;
         self.directional_count = lights.directional.len() as u32;
         self.uploaded.emission = emission;
         self.uploaded.materials = records;
@@ -300,7 +301,7 @@ fn is_same_picture(a: &Environment, b: &Environment) -> bool {
     match (a, b) {
         (Environment::Constant(_), Environment::Constant(_)) => true,
         (Environment::Image { image: a, .. }, Environment::Image { image: b, .. }) => {
-            (a.width, a.height) == (b.width, b.height) && a.rgb == b.rgb
+            Arc::ptr_eq(a, b) || (a.width, a.height) == (b.width, b.height) && a.rgb == b.rgb
         }
         _ => false,
     }

@@ -153,6 +153,7 @@ impl GpuScene {
             }
             is_moved = write_lights(device, &lights, resources)?;
             self.light_count = lights.placed.len() as u32;
+            self.lamps = lights.lamps;
             self.uploaded.emission = emission;
         }
         let size = size_of::<GpuMaterial>();
@@ -189,6 +190,7 @@ impl GpuScene {
         }
         let is_moved = write_lights(device, &lights, resources)?;
         self.light_count = lights.placed.len() as u32;
+        self.lamps = lights.lamps;
         self.directional_count = lights.directional.len() as u32;
         Ok(Update::Written { is_moved })
     }

@@ -413,7 +413,7 @@ fn environment_of(
                 Diagnostic::error(error.to_string()).with_label(&look.file, image.span.clone(), "")
             })?;
             let environment = Environment::Image {
-                image: loaded.0,
+                image: Arc::new(loaded.0),
                 rotation: *rotation,
                 intensity: *intensity,
             };

@@ -1,6 +1,6 @@
 //! What a scene is seen by that has no light, under a look that says nothing of its environment.
 
-use std::f32::consts::PI;
+use std::{f32::consts::PI, sync::Arc};
 
 use glam::Vec3;
 
@@ -100,14 +100,14 @@ fn studio() -> Environment {
     }
     let scale = weights / sum;
     Environment::Image {
-        image: FloatImage {
+        image: Arc::new(FloatImage {
             width: WIDTH,
             height,
             rgb: rgb
                 .into_iter()
                 .map(|radiance| [radiance * scale; 3])
                 .collect(),
-        },
+        }),
         rotation: 0.0,
         intensity: 1.0,
     }

@@ -424,7 +424,7 @@ pub(crate) fn room_with_window(wide: f32, high: f32) -> Scene {
     }
     sky.rgb[5 * 64 + 3] = [400.0; 3];
     scene.environment = Environment::Image {
-        image: sky,
+        image: std::sync::Arc::new(sky),
         rotation: 30.0,
         intensity: 1.0,
     };

@@ -2,7 +2,7 @@
 //! a scattered ray that hits the same point is told the same (chi-square and equality). Then many lights in a picture.
 //! Skipped with a notice where there is no adapter.
 
-use std::f32::consts::PI;
+use std::{f32::consts::PI, sync::Arc};
 
 use ::device::Device;
 use ::device::{Extent, Recording, Resources, Trust, Usage};
@@ -339,13 +339,13 @@ fn zoo() -> Scene {
     ];
     let (width, height) = (16, 8);
     scene.environment = Environment::Image {
-        image: FloatImage {
+        image: Arc::new(FloatImage {
             width,
             height,
             rgb: (0..width * height)
                 .map(|_| [numbers.uniform().powi(4) as f32; 3])
                 .collect(),
-        },
+        }),
         rotation: 40.0,
         intensity: 1.0,
     };
@@ -610,7 +610,7 @@ fn samples_of_a_sky_go_by_what_a_surface_receives() {
             .collect(),
     };
     let Some(facings) = sky_samples(Environment::Image {
-        image,
+        image: Arc::new(image),
         rotation: 70.0,
         intensity: 1.0,
     }) else {

@@ -1,6 +1,8 @@
 //! Light samples of the sky through openings of the box around the scene: their density is what they, and rays that get there by chance,
 //! are told, so that the sky is as bright as without them. Skipped with a notice where there is no adapter.
 
+use std::sync::Arc;
+
 use ::device::{Format, ImageUse};
 use bytemuck::Zeroable;
 use engine::scene::{Environment, FloatImage};
@@ -116,13 +118,13 @@ fn samples_have_the_density_that_they_are_told() {
     );
     let (width, height) = (64, 32);
     scene.environment = Environment::Image {
-        image: FloatImage {
+        image: Arc::new(FloatImage {
             width,
             height,
             rgb: (0..width * height)
                 .map(|i| [1.0 + (i % 7) as f32; 3])
                 .collect(),
-        },
+        }),
         rotation: 50.0,
         intensity: 1.0,
     };

@@ -1,5 +1,7 @@
 //! Photons bring what mirrors and bodies of glass throw on other surfaces: the light that paths find, and all of it once.
 
+use std::sync::Arc;
+
 use ::device::Device;
 use engine::film::{Crop, Film};
 use engine::procedural::TextureSources;
@@ -80,7 +82,7 @@ fn sky_with_a_bright_place() -> Environment {
         rgb: (0..width * height).map(radiance).collect(),
     };
     Environment::Image {
-        image,
+        image: Arc::new(image),
         rotation: 0.0,
         intensity: 1.0,
     }
@@ -318,6 +320,47 @@ fn a_lamp_in_glass_is_as_bright_as_by_paths() {
         film(device, scene.clone(), &seen_below(seed, method), spp)
     };
     agree("a lamp in glass", &device, of, 0.05);
+}
+
+/// Photons begin in the bodies that their lamp is in, as paths come out of them one after the other.
+#[test]
+fn a_lamp_in_a_body_within_another_is_as_bright_as_by_paths() {
+    let Some(device) = device::open() else { return };
+    let mut scene = below_glass();
+    scene.materials[2].emission = Vec3::ZERO;
+    let glass = &mut scene.materials[1];
+    glass.attenuation_color = Vec3::new(0.9, 0.7, 0.5);
+    glass.attenuation_distance = 0.3;
+    let mut inner = faceted_sphere(24);
+    for position in &mut inner.positions {
+        *position = *position * 0.3 + Vec3::Y * 0.8;
+    }
+    let denser = Material {
+        ior: 2.0,
+        attenuation_color: Vec3::new(0.5, 0.8, 0.9),
+        ..glass.clone()
+    };
+    add(&mut scene, inner, denser);
+    // What goes up comes down again, through both bodies.
+    let mirror = Material {
+        metallic: 1.0,
+        roughness: 0.0,
+        double_sided: true,
+        ..Material::default()
+    };
+    let plate = quad(Vec3::new(-0.1, 0.9, -0.1), Vec3::X * 0.2, Vec3::Z * 0.2);
+    add(&mut scene, plate, mirror);
+    let panel = quad(Vec3::new(-0.1, 0.8, -0.1), Vec3::X * 0.2, Vec3::Z * 0.2);
+    add(&mut scene, panel, lamp(Vec3::splat(200.0)));
+    scene.materials[5].double_sided = true;
+    let of = |device: &Device, method| {
+        let (seed, spp) = match method {
+            Method::Photons => (1, 256),
+            _ => (5, 4096),
+        };
+        film(device, scene.clone(), &seen_below(seed, method), spp)
+    };
+    agree("a lamp in two bodies", &device, of, 0.05);
 }
 
 /// What is noise and what is bias: both fall, as the 2/3 power of the number of photons in the square.

@@ -6,6 +6,7 @@
 //!include shared/geometry.wgsl
 //!include shared/images.wgsl
 //!include shared/materials.wgsl
+//!include shared/media.wgsl
 //!include shared/surface.wgsl
 //!include shared/appearance.wgsl
 //!include shared/environment.wgsl
@@ -13,16 +14,23 @@
 //!include shared/estimator.wgsl
 //!include photons/targets.wgsl
 
-@group(0) @binding(57) var<storage, read> photon_lights: array<vec2f>;
+@group(0) @binding(57) var<storage, read> photon_lights: array<vec2u>;
+
+// The bodies that a light with a place is in, as a path has them. They come behind what belongs to each light, the environment
+// included whether it has photons or not.
+fn lamp_media(index: u32) -> vec4u {
+    let at = photon_settings.light_count + photon_settings.directional_count + 1u + 2u * index;
+    return vec4u(photon_lights[at], photon_lights[at + 1u]);
+}
 
 // The light of a share of all weights.
 fn choose_photon_light(share: f32) -> u32 {
     var low = 0u;
     var high = all_lights() - 1u;
-    let wanted = share * photon_lights[high].y;
+    let wanted = share * bitcast<f32>(photon_lights[high].y);
     while (low < high) {
         let middle = (low + high) / 2u;
-        if (photon_lights[middle].y > wanted) {
+        if (bitcast<f32>(photon_lights[middle].y) > wanted) {
             high = middle;
         } else {
             low = middle + 1u;
@@ -36,7 +44,7 @@ fn send_photon(slot: u32, aim: Aim, flux: vec3f, range: f32) {
     if (!(max_component(flux) > 0.0)) {
         return;
     }
-    path_write(photon_settings.field, slot, vec4f(range, 0.0, 0.0, 0.0));
+    path_set_words(photon_settings.field, slot, vec4u(bitcast<u32>(range), 0u, medium_among(path_words(PATH_MEDIA, slot)), 0u));
     path_write(PATH_THROUGHPUT, slot, vec4f(flux, 1.0));
     rays[own_ray(slot)] = RayHit(aim.origin, 0.0, aim.direction, 1e30, vec2f(0.0), MISS, 0u);
     queue_append(QUEUE_ACTIVE, slot);
@@ -65,7 +73,7 @@ fn photon_start(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups
     let u = sobol4(number, hash2(seed, 1u), 0u, hash2(seed, 2u));
     let choice = sobol2(number, hash2(seed, 3u));
     let index = choose_photon_light(choice.x);
-    let weight = photon_lights[index].x;
+    let weight = bitcast<f32>(photon_lights[index].x);
     if (!(weight > 0.0)) {
         return;
     }
@@ -78,7 +86,9 @@ fn photon_start(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups
         return;
     }
     let light = light_at(index);
-    if (index >= photon_settings.light_count) {
+    if (index < photon_settings.light_count) {
+        path_set_words(PATH_MEDIA, slot, lamp_media(index));
+    } else {
         let extent = light.position[DISTANT_EXTENT];
         // Uniform over the disk in the sky, if it is one.
         let height = u.x * extent;

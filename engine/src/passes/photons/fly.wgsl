@@ -64,7 +64,7 @@ fn stretch(hit: RayHit, s: Surface) -> f32 {
 }
 
 // What a photon's two fields hold, of a path's state. Before a caster has scattered it: the range of its lamp, or 0; what that leaves of its
-// light; 1 + the material of a body that it began in, or 0; 0. Where it has arrived from a caster and the surface has yet to be shaded:
+// light; 1 + the material of the body that it began in, or 0; 0. Where it has arrived from a caster and the surface has yet to be shaded:
 // its flux, then PHOTON_WAITS, how many casters have scattered it, and where it comes from; position and octahedral normal.
 const PHOTON_WAITS = 0x100u;
 
@@ -106,11 +106,12 @@ fn photon_arrive(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroup
     let is_back = has_transmission && !s.front && (materials[material].flags & MATERIAL_SOLID) != 0u;
     let media = path_words(PATH_MEDIA, slot);
     let began_inside = is_back && !media_hold(media, material);
-    let range = path_words(photon_settings.field, slot).x;
+    let kept = path_words(photon_settings.field, slot);
+    let range = kept.x;
     // KHR_lights_punctual: a window that falls to zero at the range.
     let ratio = select(0.0, hit.t_max / bitcast<f32>(range), range != 0u);
     let window = saturate(1.0 - ratio * ratio * ratio * ratio);
-    path_set_words(photon_settings.field, slot, vec4u(range, bitcast<u32>(window), select(0u, material + 1u, began_inside), 0u));
+    path_set_words(photon_settings.field, slot, vec4u(range, bitcast<u32>(window), select(kept.z, material + 1u, began_inside), 0u));
     let scattered = path_depth(slot);
     let is_inside = is_back || (has_transmission && medium_among(media) != 0u);
     if (scattered == 0u || is_inside || is_caster_throughout(material)) {

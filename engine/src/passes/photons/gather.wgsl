@@ -10,13 +10,13 @@
 //!include shared/left.wgsl
 //!include photons/look_up.wgsl
 
-@group(0) @binding(57) var<storage, read> photon_lights: array<vec2f>;
+@group(0) @binding(57) var<storage, read> photon_lights: array<vec2u>;
 
 // The irradiance of photons, W/m2, that at most so many casters have scattered.
 fn photon_irradiance(position: vec3f, facing: vec3f, most_scattered: u32) -> vec3f {
     let flux = photon_flux(position, facing, most_scattered);
     let radius = photon_radius(position);
-    let all = photon_lights[photon_settings.light_count + photon_settings.directional_count + photon_settings.environment - 1u].y;
+    let all = bitcast<f32>(photon_lights[all_lights() - 1u].y);
     return vec3f(flux) * (all / (FLUX_SCALE * f32(photon_settings.photons) * 3.14159265 * radius * radius));
 }
 

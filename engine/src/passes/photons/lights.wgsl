@@ -10,8 +10,8 @@
 //!include shared/estimator.wgsl
 //!include photons/targets.wgsl
 
-// For each light its weight, and the sum of all weights up to it.
-@group(0) @binding(57) var<storage, read_write> photon_lights: array<vec2f>;
+// For each light the bits of its weight, and of the sum of all weights up to it; then what `lamp_media` reads.
+@group(0) @binding(57) var<storage, read_write> photon_lights: array<vec2u>;
 
 // Samples of the environment by which its power is found.
 const ENVIRONMENT_SAMPLES = 4096u;
@@ -49,7 +49,7 @@ fn weigh_lights(@builtin(workgroup_id) workgroup: vec3u, @builtin(num_workgroups
                 @builtin(local_invocation_index) local: u32) {
     let index = thread_index(workgroup, workgroups, local);
     if (index < all_lights()) {
-        photon_lights[index] = vec2f(max(light_weight(index), 0.0), 0.0);
+        photon_lights[index] = vec2u(bitcast<u32>(max(light_weight(index), 0.0)), 0u);
     }
 }
 
@@ -60,10 +60,10 @@ fn sum_lights() {
     var sum = 0.0;
     var lost = 0.0;
     for (var i = 0u; i < all_lights(); i++) {
-        let next = photon_lights[i].x - lost;
+        let next = bitcast<f32>(photon_lights[i].x) - lost;
         let total = sum + next;
         lost = (total - sum) - next;
         sum = total;
-        photon_lights[i].y = sum;
+        photon_lights[i].y = bitcast<u32>(sum);
     }
 }

@@ -18,7 +18,7 @@ const FLOOR_SHOT: Shot = Shot {
 
 fn with_environment(mut scene: Scene, image: FloatImage, rotation: f32, intensity: f32) -> Scene {
     scene.environment = Environment::Image {
-        image,
+        image: std::sync::Arc::new(image),
         rotation,
         intensity,
     };

@@ -1,5 +1,7 @@
 //! Pictures of different seeds are independent estimates, and so are the pixels of one.
 
+use std::sync::Arc;
+
 use ::device::Device;
 use engine::scene::{Environment, FloatImage, Scene};
 use engine::settings::Sampler;
@@ -19,11 +21,11 @@ fn even_floor() -> Scene {
     let texel = |i: u32| [(1.0 + (i % width) as f32) / (1.0 + (i / width) as f32); 3];
     let mut scene = scene([(floor(3.0), lambert(Vec3::splat(0.8)))], Vec3::ZERO);
     scene.environment = Environment::Image {
-        image: FloatImage {
+        image: Arc::new(FloatImage {
             width,
             height,
             rgb: (0..width * height).map(texel).collect(),
-        },
+        }),
         rotation: 0.0,
         intensity: 1.0,
     };

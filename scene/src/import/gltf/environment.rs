@@ -13,7 +13,7 @@ use crate::import::environment::load_environment_image;
 use crate::import::error::{At as _, Fault, ImportError, Warnings};
 use glam::Vec3;
 use serde_json::Value;
-use std::sync::PoisonError;
+use std::sync::{Arc, PoisonError};
 
 /// What names a picture.
 pub(super) const NAMES: &[&str] = &["uri", "file"];
@@ -91,7 +91,7 @@ fn read(
         .into_iter()
         .for_each(|warning| warnings.push(warning));
     Ok(Environment::Image {
-        image,
+        image: Arc::new(image),
         rotation: rotation(extras, warnings).at(&document.path, place)?,
         intensity: scale,
     })
