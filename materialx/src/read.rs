@@ -21,6 +21,8 @@ const MAX_PREFIXES: usize = 16;
 const LIBRARIES: [&str; 5] = ["stdlib", "pbrlib", "bxdf", "nprlib", "cmlib"];
 /// Elements don't stand in each other deeper than this; those of MaterialX are at most five deep.
 const MAX_DEPTH: usize = 64;
+/// An element doesn't have more attributes: each is compared with all of the others.
+const MAX_ATTRIBUTES: usize = 1000;
 
 impl Document {
     /// Reads a file with all that it includes.
@@ -57,8 +59,12 @@ impl Document {
 
 fn read_text(files: &dyn Files, path: &Path) -> Result<String, Diagnostic> {
     input::read_text(files, path, MAX_BYTES).map_err(|error| {
-        Diagnostic::error(format!("cannot read {}: {error}", path.display()))
-            .with_note("check the path and the permissions")
+        let problem = Diagnostic::error(format!("cannot read {}: {error}", path.display()));
+        match error.kind() {
+            // It says itself what to do.
+            ErrorKind::InvalidData => problem,
+            _ => problem.with_note("check the path and the permissions"),
+        }
     })
 }
 
@@ -78,10 +84,20 @@ impl Reader<'_> {
         parent: Option<ElementId>,
     ) -> Result<(), Diagnostics> {
         let source = SourceFile::new("materialx", path.display().to_string(), text);
-        if let Some(at) = too_deep(text) {
-            return Err(Diagnostic::error("elements stand in each other too deep")
+        if let Some((at, excess)) = excess(text) {
+            let (message, most) = match excess {
+                Excess::Depth => (
+                    "elements stand in each other too deep",
+                    format!("at most {MAX_DEPTH} levels are read"),
+                ),
+                Excess::Attributes => (
+                    "an element has too many attributes",
+                    format!("at most {MAX_ATTRIBUTES} are read"),
+                ),
+            };
+            return Err(Diagnostic::error(message)
                 .with_label(&source, at..at + 1, "")
-                .with_note(format!("at most {MAX_DEPTH} levels are read"))
+                .with_note(most)
                 .into());
         }
         let declared;
@@ -183,12 +199,17 @@ impl Reader<'_> {
         if is_library(href) && !self.files.has(&path) {
             return Ok(());
         }
+        let named = match path.as_os_str().is_empty() {
+            true => Path::new(href),
+            false => &path,
+        };
         let text = input::read_text(self.files, &path, MAX_BYTES).map_err(|error| {
             let remedy = match error.kind() {
                 ErrorKind::NotFound => "names of included files are relative to the file itself",
+                ErrorKind::InvalidData => "what is included is MaterialX, too",
                 _ => "check the permissions",
             };
-            problem(format!("cannot read {}: {error}", path.display()), remedy)
+            problem(format!("cannot read {}: {error}", named.display()), remedy)
         })?;
         self.file(&path, &text, Some(parent))
     }
@@ -312,8 +333,30 @@ fn end_of_tag(text: &str) -> Option<usize> {
     None
 }
 
-/// Where elements first stand deeper in each other than they may. A rough count of tags: what it gets wrong is no valid XML.
-fn too_deep(text: &str) -> Option<usize> {
+/// Attributes of a tag, each of which has its own `=`.
+fn attributes_of(tag: &str) -> usize {
+    let mut quote = None;
+    let mut count = 0;
+    for byte in tag.bytes() {
+        match (quote, byte) {
+            (None, b'=') => count += 1,
+            (None, b'"' | b'\'') => quote = Some(byte),
+            (Some(open), _) if open == byte => quote = None,
+            _ => {}
+        }
+    }
+    count
+}
+
+/// What a text has more of than any MaterialX, and what would take long.
+enum Excess {
+    Depth,
+    Attributes,
+}
+
+/// Where elements first stand deeper in each other than they may, or one has more attributes. A rough count of tags: what it gets
+/// wrong is no valid XML.
+fn excess(text: &str) -> Option<(usize, Excess)> {
     let mut depth = 0usize;
     let mut at = 0;
     while let Some(next) = text[at..].find('<') {
@@ -332,7 +375,10 @@ fn too_deep(text: &str) -> Option<usize> {
             depth += 1;
         }
         if depth > MAX_DEPTH {
-            return Some(start);
+            return Some((start, Excess::Depth));
+        }
+        if !tag.starts_with("<!") && attributes_of(tag) > MAX_ATTRIBUTES {
+            return Some((start, Excess::Attributes));
         }
         at = start + end;
     }

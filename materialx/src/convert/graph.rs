@@ -559,7 +559,12 @@ impl<'d> Converter<'d> {
         }
         if let Some(unit) = element.attribute("unit") {
             match factor(unit) {
-                Some(factor) => values = values.map(|x| x * factor),
+                Some(factor) => {
+                    let own = (element.parent).map_or(1.0, |node| {
+                        unit_of_input(&document.element(node).kind, element.name())
+                    });
+                    values = values.map(|x| x * (factor / own));
+                }
                 None => self.warn(
                     id,
                     format!("the unit `{unit}` is not known; the number is taken as it is"),
@@ -573,6 +578,20 @@ impl<'d> Converter<'d> {
 /// A version without the zeros that it may end with: `2.0` is `2`.
 fn without_zeros(version: &str) -> &str {
     version.trim_end_matches(".0")
+}
+
+/// How many metres or degrees are one of what an input is reckoned in, whatever it is written in: of films in nanometres or
+/// micrometres, of some angles in radians.
+fn unit_of_input(kind: &str, input: &str) -> f32 {
+    let unit = match (kind, input) {
+        ("standard_surface", "thin_film_thickness") | ("gltf_pbr", "iridescence_thickness") => {
+            "nanometer"
+        }
+        ("open_pbr_surface", "thin_film_thickness") => "micron",
+        ("gltf_pbr", "anisotropy_rotation") | ("sin" | "cos" | "tan", "in") => "radian",
+        _ => return 1.0,
+    };
+    factor(unit).unwrap_or(1.0)
 }
 
 /// How many metres, degrees or whatever MaterialX reckons in are one of a unit.

@@ -83,6 +83,7 @@ pub(super) fn convert(s: &mut Surface<'_, '_>) {
     let metalness = s.number("base_metalness", 0.0);
     s.set("metallic", &metalness, 0.0, 1.0);
     let roughness = s.number("specular_roughness", 0.3);
+    let roughness = roughness_below_coat(s, roughness, &coat);
     let anisotropy = s.number("specular_roughness_anisotropy", 0.0);
     s.roughness(&roughness, &anisotropy, widths);
     let specular = s.number("specular_weight", 1.0);
@@ -167,6 +168,25 @@ fn thin_walled(s: &mut Surface<'_, '_>, weight: &Value) -> (Value, Value) {
     let through = w * (1.0 + g) / 2.0;
     let back = w * (1.0 - g) / 2.0 / (1.0 - through).max(1e-6);
     (Value::number(through), Value::number(back.min(1.0)))
+}
+
+/// The roughness of what lies below a coat, which is seen through it twice (OpenPBR 1.1, "Coat"), where all of it is known.
+fn roughness_below_coat(s: &mut Surface<'_, '_>, roughness: Value, coat: &Value) -> Value {
+    let of_coat = s.number("coat_roughness", 0.0);
+    if coat.is(0.0) || of_coat.is(0.0) {
+        return roughness;
+    }
+    let (Some([r, ..]), Some([of_coat, ..]), Some([coat, ..])) =
+        (roughness.known(), of_coat.known(), coat.known())
+    else {
+        s.warn(
+            "coat_roughness",
+            "a rough coat leaves the roughness below it where a node drives it or one of both",
+        );
+        return roughness;
+    };
+    let both = (r.powi(4) + 2.0 * of_coat.powi(4)).powf(0.25).min(1.0);
+    Value::number(r + (both - r) * coat.clamp(0.0, 1.0))
 }
 
 /// The index of an opaque body relative to the coat on it, where both are known.

@@ -324,3 +324,15 @@ fn where_too_many_definitions_are_looked_at_nothing_else_is_said() {
     );
     assert!(look_text(&converted).contains("metallic = 0.5"));
 }
+
+#[test]
+fn more_attributes_than_any_element_has_are_refused() {
+    let of = |count: usize| {
+        let attributes: String = (0..count).map(|i| format!(" a{i}=\"=\"")).collect();
+        let text = format!("<materialx version=\"1.39\"><a{attributes}/></materialx>");
+        Document::parse(&Memory::default(), Path::new("a.mtlx"), &text)
+    };
+    assert!(of(1000).is_ok());
+    let told = of(300_000).expect_err("it would take a minute").render();
+    assert!(told.contains("too many attributes"), "{told}");
+}

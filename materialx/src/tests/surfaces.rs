@@ -299,3 +299,82 @@ fn surfaces_that_are_only_inherited_from_are_no_materials() {
     assert_eq!(names(&[shader("A", "A")]), ["A"]);
     assert_eq!(names(&[shader("A", "B"), shader("B", "A")]), ["A", "B"]);
 }
+
+/// Whatever a thickness or an angle is written in.
+#[test]
+fn units_are_those_of_the_input() {
+    let with_unit = |name: &str, value: &str, unit: &str| {
+        format!(r#"<input name="{name}" type="float" value="{value}" unit="{unit}"/>"#)
+    };
+    let film = "iridescence_thickness";
+    for (model, weight, input, value, unit, line) in [
+        (
+            "standard_surface",
+            "base",
+            "thin_film_thickness",
+            "550",
+            "nanometer",
+            format!("{film} = 550.0"),
+        ),
+        (
+            "standard_surface",
+            "base",
+            "thin_film_thickness",
+            "0.5",
+            "micron",
+            format!("{film} = 500."),
+        ),
+        (
+            OPEN_PBR,
+            "thin_film_weight",
+            "thin_film_thickness",
+            "0.25",
+            "micron",
+            format!("{film} = 250.0"),
+        ),
+        (
+            "gltf_pbr",
+            "iridescence",
+            film,
+            "400",
+            "nanometer",
+            format!("{film} = 400.0"),
+        ),
+        (
+            "gltf_pbr",
+            "anisotropy_strength",
+            "anisotropy_rotation",
+            "0.5",
+            "radian",
+            "anisotropy_rotation = 28.6".to_owned(),
+        ),
+        (
+            "gltf_pbr",
+            "anisotropy_strength",
+            "anisotropy_rotation",
+            "45",
+            "degree",
+            "anisotropy_rotation = 45.".to_owned(),
+        ),
+    ] {
+        let (text, said) = look(model, &[number(weight, "1"), with_unit(input, value, unit)]);
+        assert!(
+            text.contains(&format!("\n{line}")),
+            "{model}, {line}:\n{text}\n{said}"
+        );
+    }
+}
+
+#[test]
+fn a_rough_coat_roughens_what_is_below_it() {
+    let inputs = [
+        number("coat_weight", "0.5"),
+        number("coat_roughness", "0.5"),
+        number("specular_roughness", "0.1"),
+    ];
+    let (text, _) = look(OPEN_PBR, &inputs);
+    // (0.1^4 + 2 0.5^4)^(1/4) is 0.5947.
+    assert!(text.contains("\nroughness = 0.347"), "{text}");
+    let (text, _) = look(OPEN_PBR, &inputs[1..]);
+    assert_has(&text, &["roughness = 0.1"]);
+}
