@@ -78,7 +78,16 @@ pub(crate) fn run(job: &BakeJob) -> Result<(), Failure> {
                 let output = named(&job.output, image.role);
                 match output.format {
                     Format::Exr => write_floats(&output, image.size, &image.rgba)?,
-                    _ => write_bytes(&output, image.size, &image.eight_bits())?,
+                    _ => {
+                        write_bytes(&output, image.size, &image.eight_bits())?;
+                        if image.most != 1.0 {
+                            let path = output.path.display();
+                            let most = image.most;
+                            console::note(&format!(
+                                "{path} is divided by {most}: that is its factor in a material"
+                            ));
+                        }
+                    }
                 }
             }
             for key in baked.lost {

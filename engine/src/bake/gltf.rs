@@ -173,7 +173,8 @@ pub struct BakedImage {
     pub size: u32,
     /// Linear RGBA, row 0 on top. Colours may exceed 1; normals are from -1 to 1; the thickness is in nanometres.
     pub rgba: Vec<[f32; 4]>,
-    /// Greatest of the RGB, or 1 where that is more and it is no emission: what colours and thicknesses are divided by in eight bits.
+    /// Greatest of the RGB of an emission, a specular colour or a thickness, or 1 where that is more and it is no emission: what these
+    /// are divided by in eight bits. 1 for others.
     pub most: f32,
 }
 
@@ -351,6 +352,7 @@ impl Planes {
             }
         }
         self.set_alpha_mode(&mut material, surface, maps);
+        let lost = self.set_means(&mut material, maps);
         BakedMaterial {
             material,
             images,
@@ -358,7 +360,7 @@ impl Planes {
             overlap: maps.overlap,
             missed: maps.missed,
             non_finite: maps.non_finite,
-            lost: self.set_means(surface, maps),
+            lost,
         }
     }
 
@@ -380,8 +382,11 @@ impl Planes {
                 [texel[0], texel[1], texel[2]] = normal.to_array();
             }
         }
-        let is_scaled =
-            role.is_color() && role != Role::BaseColor || role == Role::IridescenceThickness;
+        // What else is a colour ends at 1, in renderers, too.
+        let is_scaled = matches!(
+            role,
+            Role::Emission | Role::SpecularColor | Role::IridescenceThickness
+        );
         let least = if role == Role::Emission { 1e-6 } else { 1.0 };
         let greatest = rgba
             .iter()
@@ -417,16 +422,21 @@ impl Planes {
     }
 
     /// What glTF has one number for, and the texture more.
-    fn set_means(&self, surface: &Material, maps: &Maps) -> Vec<&'static str> {
-        let mut lost = Vec::new();
-        if let Some(place) = self.place("ior")
-            && maps
-                .plane(place, 1)
-                .any(|texel| (texel[0] - surface.ior).abs() > SAME)
-        {
-            lost.push("ior");
+    fn set_means(&self, material: &mut Material, maps: &Maps) -> Vec<&'static str> {
+        let Some(place) = self.place("ior") else {
+            return Vec::new();
+        };
+        let shown = || {
+            let texels = maps.plane(place, 1).zip(&maps.is_shown);
+            texels.filter(|(_, is_shown)| **is_shown)
+        };
+        let count = shown().count().max(1) as f64;
+        let mean = shown().map(|(texel, _)| f64::from(texel[0])).sum::<f64>() / count;
+        material.ior = mean as f32;
+        match shown().any(|(texel, _)| (texel[0] - material.ior).abs() > SAME) {
+            true => vec!["ior"],
+            false => Vec::new(),
         }
-        lost
     }
 }
 

@@ -176,6 +176,37 @@ fn what_is_the_same_everywhere_is_a_constant() {
     assert_eq!(baked.material.base_color, Vec4::ONE);
 }
 
+/// glTF has one index of refraction, which is driven evenly here and then not.
+#[test]
+fn the_index_is_the_mean_of_what_drives_it() {
+    let of = |index: &str| {
+        let text = format!("fn userProc() -> f32 {{ return {index}; }}");
+        let look = "[node.index]\ntexture = \"index\"\n[material.M]\nior = \"index\"\n";
+        baked(look, &[("index", &text)], &SETTINGS)
+    };
+    let even = of("2.25");
+    assert_eq!((even.material.ior, &even.lost[..]), (2.25, &[][..]));
+    let uneven = of("1.5 + readAttr(TexCoord0).x");
+    assert!((uneven.material.ior - 2.0).abs() < 1e-3);
+    assert_eq!(uneven.lost, ["ior"]);
+}
+
+/// Renderers take such colours as 1 at most, and so do pictures.
+#[test]
+fn colours_of_sheen_end_at_one() {
+    let textures = [(
+        "sheen",
+        "fn userProc() -> vec3f { return vec3f(4.0 * readAttr(TexCoord0).x, 0.5, 0.25); }",
+    )];
+    let look = "[node.sheen]\ntexture = \"sheen\"\n[material.M]\nsheen_color = \"sheen\"\n";
+    let baked = baked(look, &textures, &SETTINGS);
+    let image = (baked.images.iter()).find(|image| image.role == Role::SheenColor);
+    let bytes = image.expect("there is one").eight_bits();
+    // 0.5 as sRGB has it.
+    assert_eq!(bytes[15 * 4..][..2], [255, 188]);
+    assert_eq!(baked.material.sheen_color, Vec3::ONE);
+}
+
 #[test]
 fn blends_are_mixed_by_their_share() {
     let look = "[material.N]\nbase_color = [1.0, 0.0, 0.0]\nroughness = 1.0\nemission = [2.0, 0.0, 0.0]\n\
