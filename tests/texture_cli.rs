@@ -526,6 +526,38 @@ fn a_new_texture_is_a_good_texture_and_replaces_nothing() {
 }
 
 #[test]
+fn a_copy_of_a_texture_has_the_shared_files_that_it_uses() {
+    let text = "/// @use hills\nfn userProc() -> f32 { return hills(2.0); }\n";
+    let desk = (Desk::new().with("own/a.wgsl", text)).with(
+        "own/lib/hills.wgsl",
+        "fn hills(x: f32) -> f32 { return 3.0 * x; }\n",
+    );
+    desk.run("texture new b --from a --textures own --dir other", 0);
+    assert_eq!(desk.values("b --textures other"), [[6.0]]);
+    let desk = desk.with(
+        "other/lib/hills.wgsl",
+        "fn hills(x: f32) -> f32 { return x; }\n",
+    );
+    let told = desk.run("texture new c --from a --textures own --dir other", 0);
+    assert!(told.stderr.contains("is another one"), "{}", told.stderr);
+    assert_eq!(desk.values("c --textures other"), [[2.0]]);
+}
+
+#[test]
+fn a_preview_never_replaces_an_image_that_it_reads() {
+    let desk = Desk::new().with("wood.png", "no picture");
+    for value in [
+        "wood.png",
+        "{file=\"wood.png\",filter=\"nearest\"}",
+        "'wood.png'",
+    ] {
+        let line = format!("texture preview image --set file={value} -o wood.png");
+        let told = desk.run(&line, 2);
+        assert!(told.stderr.contains("is an input"), "{}", told.stderr);
+    }
+}
+
+#[test]
 fn what_is_in_the_way_of_a_new_texture_is_named() {
     let desk = Desk::new().with("taken", "a file");
     let told = desk.run("texture new waves --dir taken", 1).stderr;

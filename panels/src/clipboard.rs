@@ -136,13 +136,32 @@ pub(crate) fn pasted(
     let (ao, mut edits) = pasted_ao(document, &source);
     for node in nodes {
         let texture = textures.library.get(&node.texture.value);
-        let texture = texture
-            .ok_or_else(|| format!("there is no texture called `{}` here", node.texture.value))?;
+        let has_mistakes = || {
+            let mut broken = textures.broken.iter();
+            broken.any(|(name, _)| *name == node.texture.value)
+        };
+        if texture.is_none() && !has_mistakes() {
+            return Err(format!(
+                "there is no texture called `{}` here",
+                node.texture.value
+            ));
+        }
         let section = || Section::Node(names[&*node.name.value].clone());
         for field in source.table(&Section::Node(node.name.value.clone())) {
             let key = &field.key.value;
-            let parameter = texture.parameters().iter().find(|p| p.name == *key);
-            let can_link = parameter.is_some_and(|p| p.ty.is_linkable());
+            // Of a texture with mistakes nobody knows what is a link: what has the name of a node that comes along counts.
+            let can_link = match texture {
+                Some(texture) => {
+                    let mut parameters = texture.parameters().iter();
+                    parameters.any(|p| p.name == *key && p.ty.is_linkable())
+                }
+                None => match &field.value.value {
+                    Value::Text(text) => {
+                        link_text(text).is_ok_and(|wire| names.contains_key(&*wire.node))
+                    }
+                    _ => false,
+                },
+            };
             let value = match (&field.value.value, can_link) {
                 (Value::Text(table), _) if OCCLUSION.contains(&key.as_str()) => {
                     Value::Text(ao.get(table).unwrap_or(table).clone())
@@ -234,6 +253,32 @@ mod tests {
         let mut to = look("[ao.near]\ndistance = { keys = [[0.0, 0.5], [1.0, 2.0]] }\n");
         let text = paste(&mut to);
         assert!(text.contains("[ao.near_2]"), "{text}");
+    }
+
+    /// What its parameters are, nobody knows until the mistakes are mended.
+    #[test]
+    fn links_of_a_texture_with_mistakes_are_links() {
+        const ODD: &str = "[node.noise]\ntexture = \"fbm\"\n\n[node.odd]\ntexture = \"odd\"\nx = \"noise.x\"\ncolor = \"#102030\"\n";
+        let mut textures = textures();
+        let mistake = texgen::Diagnostic::error("a brace is missing");
+        textures.broken.push(("odd".to_owned(), mistake.into()));
+        let nodes = ["noise", "odd"].map(str::to_owned);
+        let from = look(ODD);
+        let model = crate::model::Model::new(&from, &textures.library);
+        let after = |edits: &[Edit]| {
+            let mut document = look(ODD);
+            document.apply("edit", edits, None).expect("they fit");
+            document.text().to_owned()
+        };
+        let without = after(&crate::edits::remove_nodes(&from, &model, &nodes[..1]));
+        assert!(!without.contains("noise"), "{without}");
+        assert!(without.contains("#102030"), "{without}");
+        let (_, edits) = crate::edits::duplicate(&from, &model, &nodes);
+        assert!(after(&edits).contains("x = \"noise_2.x\""));
+        let copied = copied(&from, &nodes).text;
+        let (names, edits) = pasted(&from, &textures, &copied).expect("it is there");
+        assert_eq!(names, ["noise_2", "odd_2"]);
+        assert!(after(&edits).contains("x = \"noise_2.x\""));
     }
 
     #[test]

@@ -334,19 +334,29 @@ fn wires(look: &Look, graph: &Graph, materials: &HashMap<String, Vec<Field>>) ->
             target,
         })
     };
+    let nodes: HashSet<&str> = (look.nodes.iter())
+        .map(|node| node.name.value.as_str())
+        .collect();
     for node in &look.nodes {
         let name = &node.name.value;
         let texture = graph.node(name).map(|id| graph.texture(id));
         for field in &node.params {
             let parameter = &field.key.value;
             let declared = texture.and_then(|texture| texture.parameter(parameter));
-            // The path of an image is no link.
-            if declared.is_some_and(|(_, declared)| declared.ty.is_linkable()) {
+            // The path of an image is no link. Of a texture with mistakes nobody knows what is one: what has the name of a node counts.
+            let may_link = match texture {
+                Some(_) => declared.is_some_and(|(_, declared)| declared.ty.is_linkable()),
+                None => true,
+            };
+            if may_link {
                 let target = Target::Parameter {
                     node: name.clone(),
                     parameter: parameter.clone(),
                 };
-                wires.extend(wire(&field.value.value, target));
+                let wire = wire(&field.value.value, target);
+                wires.extend(
+                    wire.filter(|wire| texture.is_some() || nodes.contains(wire.source.as_str())),
+                );
             }
         }
     }

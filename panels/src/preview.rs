@@ -16,7 +16,7 @@ use engine::procedural::TextureSources;
 use engine::scene::Image;
 use engine::scene::look::{Look, MODEL_IMAGE, NodeLook, Value, find};
 use engine::session::{Document, summary};
-use texgen::{Library, OutputType, ParameterType};
+use texgen::{Library, OutputType, ParameterType, TextureType};
 
 use crate::Textures;
 use crate::model::Model;
@@ -156,11 +156,7 @@ impl Previews {
     ) -> Option<&TextureHandle> {
         self.receive(ctx);
         let mut hasher = DefaultHasher::new();
-        let text = textures
-            .library
-            .get(name)
-            .map(|texture| texture.file().text());
-        text.hash(&mut hasher);
+        hash_texture(textures.library.get(name), &mut hasher);
         let hash = hasher.finish();
         let picture = self.textures.entry(name.to_owned()).or_default();
         if picture.asked != Some(hash) {
@@ -289,10 +285,7 @@ fn hash_of(shown: &mut Shown, images: &[ModelImage], model: &Model, node: &str) 
             field.key.value.hash(&mut hasher);
             hash_value(&field.value.value, &mut hasher);
         }
-        let texture = shown.textures.get(&table.texture.value);
-        texture
-            .map(|texture| texture.file().text())
-            .hash(&mut hasher);
+        hash_texture(shown.textures.get(&table.texture.value), &mut hasher);
         for file in files(table, &shown.textures) {
             match file.strip_prefix(MODEL_IMAGE) {
                 Some(name) => images
@@ -313,6 +306,17 @@ fn hash_of(shown: &mut Shown, images: &[ModelImage], model: &Model, node: &str) 
 }
 
 /// A value without its place in the text.
+/// What a texture is made of, with the shared files that it uses.
+fn hash_texture(texture: Option<&TextureType>, hasher: &mut DefaultHasher) {
+    let Some(file) = texture.map(TextureType::file) else {
+        return;
+    };
+    file.text().hash(hasher);
+    for library in file.libraries() {
+        library.text().hash(hasher);
+    }
+}
+
 fn hash_value(value: &Value, hasher: &mut DefaultHasher) {
     std::mem::discriminant(value).hash(hasher);
     match value {

@@ -4,6 +4,8 @@ use std::fs;
 use std::io::{ErrorKind, Write};
 
 use engine::aside;
+use engine::procedural::LIBRARIES;
+use texgen::SourceFile;
 
 use crate::console;
 use crate::failure::Failure;
@@ -36,8 +38,12 @@ pub(crate) fn run(job: &NewJob) -> Result<(), Failure> {
         })
     };
     let sources = super::sources(&job.texture_dirs, None)?;
-    let text = match &job.from {
-        Some(original) => super::read(&sources, original)?.text().to_owned(),
+    let original = match &job.from {
+        Some(original) => Some(super::read(&sources, original)?),
+        None => None,
+    };
+    let text = match &original {
+        Some(original) => original.text().to_owned(),
         None => TEMPLATE.replace("NAME", &job.name),
     };
     if let Some(other) = sources.path(&job.name).filter(|other| *other != path) {
@@ -52,11 +58,40 @@ pub(crate) fn run(job: &NewJob) -> Result<(), Failure> {
     }
     fs::create_dir_all(&job.dir).map_err(no_folder)?;
     aside::create(&path, |file| file.write_all(text.as_bytes())).map_err(refused)?;
+    for library in original.iter().flat_map(SourceFile::libraries) {
+        copy_shared(job, library)?;
+    }
     console::note(&format!(
         "wrote {}\nsee it with: patina texture preview {} --textures {}",
         path.display(),
         job.name,
         job.dir.display()
     ));
+    Ok(())
+}
+
+/// Puts a shared file that the copied texture uses where the copy looks for it, unless there is one.
+fn copy_shared(job: &NewJob, library: &SourceFile) -> Result<(), Failure> {
+    let folder = job.dir.join(LIBRARIES);
+    let path = folder.join(format!("{}.wgsl", library.name()));
+    let cannot = |error: std::io::Error| {
+        Failure::Failed(format!(
+            "cannot write {}, which the texture uses: {error}",
+            path.display()
+        ))
+    };
+    if path.exists() {
+        if fs::read(&path).map_err(cannot)? != library.text().as_bytes() {
+            console::warning(&format!(
+                "the texture uses {}, and gets {}, which is another one",
+                library.path(),
+                path.display()
+            ));
+        }
+        return Ok(());
+    }
+    fs::create_dir_all(&folder).map_err(cannot)?;
+    aside::create(&path, |file| file.write_all(library.text().as_bytes())).map_err(cannot)?;
+    console::note(&format!("wrote {}, which it uses", path.display()));
     Ok(())
 }

@@ -53,8 +53,10 @@ pub(crate) fn run(job: &PreviewJob) -> Result<(), Failure> {
         None => Vec::new(),
     };
     // An argument may be an image.
-    let values = target.sets.iter().map(|(_, value)| value.trim_matches('"'));
-    read.extend(values.map(PathBuf::from));
+    // Or a table that names one: whatever stands between quotation marks may.
+    let values = target.sets.iter().map(|(_, value)| value);
+    let named = values.flat_map(|value| value.split(['"', '\'']));
+    read.extend(named.filter(|part| !part.is_empty()).map(PathBuf::from));
     output::check_all(&written, &read)?;
     let studio = match (&look, job.is_material) {
         (Some(look), true) => {
