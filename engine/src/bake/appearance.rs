@@ -123,6 +123,56 @@ impl<'a> Painter<'a> {
         })
     }
 
+    /// The surfaces that are seen of a material: those of a blend that its mask leaves out everywhere aren't.
+    fn surfaces_of(&self, material: u32) -> Vec<u32> {
+        let mut open = vec![material];
+        let mut surfaces = Vec::new();
+        while let Some(index) = open.pop() {
+            let recipe = self.recipes.iter().find(|(of, _)| *of == index);
+            match recipe.map(|(_, recipe)| recipe) {
+                Some(Recipe::Blend { base, over, mask }) => match mask {
+                    MaskRecipe::Constant(share) if *share <= 0.0 => open.push(*base),
+                    MaskRecipe::Constant(share) if *share >= 1.0 => open.push(*over),
+                    _ => open.extend([*base, *over]),
+                },
+                _ if !surfaces.contains(&index) => surfaces.push(index),
+                _ => {}
+            }
+        }
+        surfaces
+    }
+
+    /// Gives a blend what no picture holds of the surfaces that are seen of it. Where they differ in that the blend keeps its own: says
+    /// in what.
+    pub(super) fn keep_constants(&self, material: &mut Material) -> Vec<&'static str> {
+        let Some((last, Recipe::Blend { .. })) = self.recipes.last() else {
+            return Vec::new();
+        };
+        let surfaces = self.surfaces_of(*last);
+        let mut surfaces = surfaces.iter().map(|s| &self.scene.materials[*s as usize]);
+        let Some(first) = surfaces.next() else {
+            return Vec::new();
+        };
+        let others: Vec<&Material> = surfaces.collect();
+        let mut lost = Vec::new();
+        macro_rules! keep {
+            ($($field:ident),*) => {
+                $(match others.iter().all(|other| other.$field == first.$field) {
+                    true => material.$field = first.$field,
+                    false => lost.push(stringify!($field)),
+                })*
+            };
+        }
+        keep!(
+            unlit,
+            dispersion,
+            iridescence_ior,
+            attenuation_color,
+            attenuation_distance
+        );
+        lost
+    }
+
     /// Whether a coat has a normal map of its own; the surface below a coat has no part in its normal.
     pub(super) fn has_coat_normal(&self) -> bool {
         self.recipes.iter().any(|(index, recipe)| {

@@ -248,8 +248,10 @@ impl<'a> Baker<'a> {
             Ok(rows.collect::<Vec<_>>().concat())
         };
         let maps = self.draw(target, settings, planes.stride(), tables, progress, paint)?;
-        let surface = &scene.materials[material as usize];
-        let mut baked = planes.baked(surface, &maps, settings);
+        let mut surface = scene.materials[material as usize].clone();
+        let not_mixed = painter.keep_constants(&mut surface);
+        let mut baked = planes.baked(&surface, &maps, settings);
+        baked.lost.extend(not_mixed);
         baked.non_finite += painter.non_finite();
         Ok(baked)
     }

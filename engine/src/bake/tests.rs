@@ -191,6 +191,23 @@ fn the_index_is_the_mean_of_what_drives_it() {
     assert_eq!(uneven.lost, ["ior"]);
 }
 
+#[test]
+fn what_no_picture_holds_is_that_of_the_surface_that_is_seen() {
+    let of = |mask: &str| {
+        let look = format!(
+            "[material.M]\nblend = {{ base = \"M\", over = \"Film\", mask = {mask} }}\n\
+             [material.Film]\niridescence = 1.0\niridescence_ior = 2.0\nunlit = true\n"
+        );
+        baked(&look, &[], &SETTINGS)
+    };
+    let whole = of("1.0");
+    assert!(whole.material.unlit && whole.lost.is_empty());
+    assert_eq!(whole.material.iridescence_ior, 2.0);
+    let none = of("0.0");
+    assert!(!none.material.unlit && none.lost.is_empty());
+    assert_eq!(of("0.5").lost, ["unlit", "iridescence_ior"]);
+}
+
 /// Renderers take such colours as 1 at most, and so do pictures.
 #[test]
 fn colours_of_sheen_end_at_one() {
