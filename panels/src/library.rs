@@ -50,7 +50,8 @@ pub(crate) fn add_menu(ui: &mut Ui, cx: &mut Context<'_>, search: &mut String) -
     let field = egui::TextEdit::singleline(search).hint_text("search");
     let field = ui.add(field);
     widgets::name(&field, "Search textures");
-    if is_new(ui, field.id) {
+    // While a menu is measured nothing of it can be typed into.
+    if !ui.is_sizing_pass() && is_new(ui, field.id) {
         field.request_focus();
     }
     let wanted = search.to_lowercase();
@@ -84,7 +85,13 @@ fn entries(
     for (i, texture) in found.iter().enumerate() {
         let row = ui.horizontal(|ui| {
             swatch(ui, cx, texture.name());
-            ui.add(egui::Button::new(texture.name()).sense(Sense::click_and_drag()))
+            // All of the row is meant, not its letters.
+            let width = match ui.is_sizing_pass() {
+                true => 0.0,
+                false => ui.available_width(),
+            };
+            let button = egui::Button::new((texture.name(), egui::Atom::grow()));
+            ui.add((button.min_size(vec2(width, 0.0))).sense(Sense::click_and_drag()))
         });
         if row.inner.drag_started() {
             DragAndDrop::set_payload(ui.ctx(), DraggedTexture(texture.name().to_owned()));

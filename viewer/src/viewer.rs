@@ -310,6 +310,8 @@ impl Viewer {
             .resizable(true)
             .default_size(width)
             .min_size(LEAST_PANEL)
+            // A window that becomes narrow keeps a part of the picture.
+            .max_size((ui.available_width() - LEAST_PICTURE).max(LEAST_PANEL))
             .show(ui, |ui| {
                 // Before there is a look, too: a panel is as wide afterwards as what was in it at first.
                 ui.set_min_width(ui.available_width());

@@ -342,20 +342,40 @@ fn matrix<const N: usize>(
     }
 }
 
+/// So many values of an array are always there, to be walked through by the keyboard; of more, those that are seen.
+const MOST_ROWS: usize = 64;
+
 fn array(ui: &mut Ui, spec: &Spec<'_>, items: &[Value]) -> Edited<Vec<Value>> {
     let mut changed = None;
+    let mut row = |ui: &mut Ui, i: usize| {
+        let content = |ui: &mut Ui| {
+            ui.weak(i.to_string());
+            let part = Spec {
+                range: spec.range,
+                ..spec.part(&i.to_string())
+            };
+            if let Some(value) = edit(ui, &part, &items[i]).value {
+                changed = Some((i, value));
+            }
+        };
+        // Under its number: what is typed into stays the same field when rows before it aren't drawn any more.
+        ui.push_id(i, |ui| ui.horizontal(content));
+    };
     let shown = ui.vertical(|ui| {
-        for (i, item) in items.iter().enumerate() {
-            ui.horizontal(|ui| {
-                ui.weak(i.to_string());
-                let part = Spec {
-                    range: spec.range,
-                    ..spec.part(&i.to_string())
-                };
-                if let Some(value) = edit(ui, &part, item).value {
-                    changed = Some((i, value));
-                }
-            });
+        let count = items.len();
+        let top = ui.cursor().top();
+        let drawn = count.min(MOST_ROWS);
+        (0..drawn).for_each(|i| row(ui, i));
+        if drawn < count {
+            // All rows are as high: of so many, only those that are seen are drawn.
+            let height = (ui.cursor().top() - top) / drawn as f32;
+            let at = |y: f32| ((y - top) / height.max(1.0)).clamp(drawn as f32, count as f32);
+            let clip = ui.clip_rect();
+            let first = at(clip.top()).floor() as usize;
+            let end = at(clip.bottom()).ceil() as usize;
+            ui.add_space((first - drawn) as f32 * height);
+            (first..end).for_each(|i| row(ui, i));
+            ui.add_space((count - end) as f32 * height);
         }
     });
     let value = changed.map(|(i, value)| {
