@@ -46,6 +46,12 @@ pub(crate) struct Results<'a> {
 }
 
 impl Results<'_> {
+    /// Without its film a frame gets no pictures: one that has them is taken for done.
+    fn has_no_pictures(&self, outputs: &Outputs, failed: &[(PathBuf, OutputError)]) -> bool {
+        let is_lost = |film: &PathBuf| failed.iter().any(|(path, _)| path == film);
+        self.is_frame && outputs.films.iter().any(is_lost)
+    }
+
     /// What goes to files of pictures.
     pub(crate) fn content(&self) -> Content<'_> {
         Content {
@@ -209,10 +215,13 @@ pub(crate) fn write_all(outputs: &Outputs, results: &Results<'_>) -> Result<(), 
 /// As [`write_all`], with the place of the sums.
 pub(crate) fn write_or_keep(outputs: &Outputs, results: &Results<'_>) -> Result<(), Failure> {
     let failed = try_all(outputs, results);
-    let lost: Vec<&Path> = failed.iter().map(|(path, _)| path.as_path()).collect();
-    let Some(first) = lost.first() else {
+    let mut lost: Vec<&Path> = failed.iter().map(|(path, _)| path.as_path()).collect();
+    let Some(&first) = lost.first() else {
         return Ok(());
     };
+    if results.has_no_pictures(outputs, &failed) {
+        lost.extend(outputs.pictures.iter().map(|output| output.path.as_path()));
+    }
     let written = outputs
         .films
         .iter()
@@ -253,8 +262,7 @@ fn try_all(outputs: &Outputs, results: &Results<'_>) -> Vec<(PathBuf, OutputErro
         let written = write_aside(path, |file| film.write(file));
         note(&mut failed, path, written);
     }
-    // A frame that has its pictures is taken for done.
-    if results.is_frame && !failed.is_empty() {
+    if results.has_no_pictures(outputs, &failed) {
         return failed;
     }
     for output in &outputs.pictures {

@@ -21,7 +21,7 @@ use crate::motion::{self, Sight};
 use crate::progress::{Bar, Reached};
 use crate::{cache, console, crash, interrupt};
 
-use super::limits::{Look, Watch};
+use super::limits::{Limit, Look, Watch};
 use super::reel::{Reel, View as Seen};
 use super::{
     Ended, FAREWELL, Gathered, REFINEMENTS, REFINING, Rendered, Rest, adaptive, checkpoint,
@@ -485,10 +485,26 @@ impl<F: FnOnce()> Exposure<'_, '_, F> {
         }
     }
 
+    /// The limit that a picture which is gone on with has reached already: it would have more samples each time.
+    fn is_enough(&mut self, session: &mut Session) -> Result<Option<Limit>, Failure> {
+        let limits = &self.job.limits;
+        let has_limit = limits.noise.is_some() || limits.flip.is_some();
+        if !has_limit || session.paths_done() == 0 || session.records_awaited().is_some() {
+            return Ok(None);
+        }
+        let film = session.snapshot().map_err(failure)?.film;
+        let samples = f64::from(film.sample_bounds().0);
+        self.watch
+            .reached::<Failure>(samples, |look| Ok(Some(look.at(&film))))
+    }
+
     /// Renders wave by wave until `end` samples are taken, or for as long as nothing ends it before.
     fn accumulate(&mut self, session: &mut Session, end: u32) -> Result<Option<Ended>, Failure> {
         let (job, spp) = (self.job, self.job.spp.get());
         let pixels = f64::from(job.width) * f64::from(job.height);
+        if let Some(limit) = self.is_enough(session)? {
+            return Ok(Some(Ended::Enough(limit)));
+        }
         loop {
             let step = session.step(end).map_err(failure)?;
             self.first_is_done();

@@ -509,6 +509,9 @@ fn origin_of(origin: &Origin, job: &RenderJob, piece: &Piece) -> Origin {
     if let Some(flip) = job.limits.flip {
         end += &format!(", or where {flip} of noise is seen");
     }
+    if let Some(time) = job.limits.time {
+        end += &format!(", or after {} s of the picture", time.as_secs_f64());
+    }
     let mut origin = origin.clone();
     let own = [("piece", place), ("end", end)];
     let own = own.map(|(name, value)| (name.to_owned(), value));
