@@ -1,6 +1,6 @@
 //! What a material looks like at places: its constants, its pictures, and what its programs drive; blends are mixed.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use glam::{Vec3, Vec4};
@@ -126,8 +126,13 @@ impl<'a> Painter<'a> {
     /// The surfaces that are seen of a material: those of a blend that its mask leaves out everywhere aren't.
     fn surfaces_of(&self, material: u32) -> Vec<u32> {
         let mut open = vec![material];
+        // Blends may share what they blend: each is followed once.
+        let mut met = HashSet::new();
         let mut surfaces = Vec::new();
         while let Some(index) = open.pop() {
+            if !met.insert(index) {
+                continue;
+            }
             let recipe = self.recipes.iter().find(|(of, _)| *of == index);
             match recipe.map(|(_, recipe)| recipe) {
                 Some(Recipe::Blend { base, over, mask }) => match mask {
@@ -135,41 +140,68 @@ impl<'a> Painter<'a> {
                     MaskRecipe::Constant(share) if *share >= 1.0 => open.push(*over),
                     _ => open.extend([*base, *over]),
                 },
-                _ if !surfaces.contains(&index) => surfaces.push(index),
-                _ => {}
+                _ => surfaces.push(index),
             }
         }
         surfaces
     }
 
-    /// Gives a blend what no picture holds of the surfaces that are seen of it. Where they differ in that the blend keeps its own: says
-    /// in what.
+    /// Whether a program of a surface drives one of these outputs.
+    fn drives(&self, material: u32, keys: &[&str]) -> bool {
+        self.recipes.iter().any(|(index, recipe)| match recipe {
+            Recipe::Surface(surface) if *index == material => {
+                let mut driven = surface.outputs.iter();
+                driven.any(|(output, _)| keys.contains(&output.key()))
+            }
+            _ => false,
+        })
+    }
+
+    /// Gives a blend what no picture holds of the surfaces that are seen of it, as far as it means something on them: what a body absorbs
+    /// does where light goes through. Where they differ in that the blend keeps its own: says in what.
     pub(super) fn keep_constants(&self, material: &mut Material) -> Vec<&'static str> {
         let Some((last, Recipe::Blend { .. })) = self.recipes.last() else {
             return Vec::new();
         };
-        let surfaces = self.surfaces_of(*last);
-        let mut surfaces = surfaces.iter().map(|s| &self.scene.materials[*s as usize]);
-        let Some(first) = surfaces.next() else {
-            return Vec::new();
-        };
-        let others: Vec<&Material> = surfaces.collect();
+        let (mut all, mut films, mut clear) = (Vec::new(), Vec::new(), Vec::new());
+        for index in self.surfaces_of(*last) {
+            let surface = &self.scene.materials[index as usize];
+            all.push(surface);
+            if surface.iridescence > 0.0 || self.drives(index, &["iridescence"]) {
+                films.push(surface);
+            }
+            if surface.transmission.max(surface.diffuse_transmission) > 0.0
+                || self.drives(index, &["transmission", "diffuse_transmission"])
+            {
+                clear.push(surface);
+            }
+        }
         let mut lost = Vec::new();
         macro_rules! keep {
-            ($($field:ident),*) => {
-                $(match others.iter().all(|other| other.$field == first.$field) {
-                    true => material.$field = first.$field,
-                    false => lost.push(stringify!($field)),
-                })*
+            ($surfaces:expr, $key:literal, $field:ident) => {
+                match one(&$surfaces, |surface| surface.$field) {
+                    Ok(Some(value)) => material.$field = value,
+                    Ok(None) => {}
+                    Err(Differing) => lost.push($key),
+                }
             };
         }
-        keep!(
-            unlit,
-            dispersion,
-            iridescence_ior,
-            attenuation_color,
-            attenuation_distance
-        );
+        keep!(all, "unlit", unlit);
+        keep!(films, "iridescence_ior", iridescence_ior);
+        keep!(clear, "solid", is_solid);
+        clear.retain(|surface| surface.is_solid);
+        keep!(clear, "dispersion", dispersion);
+        // What is absorbed is what counts; a colour and a distance together say it.
+        match one(&clear, |surface| surface.absorption) {
+            Ok(Some(_)) => {
+                material.attenuate(clear[0].attenuation_color, clear[0].attenuation_distance);
+            }
+            Ok(None) => {}
+            Err(Differing) => lost.push(match one(&clear, |surface| surface.attenuation_color) {
+                Ok(_) => "attenuation_distance",
+                Err(Differing) => "attenuation_color",
+            }),
+        }
         lost
     }
 
@@ -369,6 +401,24 @@ impl<'a> Painter<'a> {
             false => normal,
         };
         painted
+    }
+}
+
+/// Surfaces don't agree.
+struct Differing;
+
+/// What all surfaces have; nothing where there are none.
+fn one<T: PartialEq>(
+    surfaces: &[&Material],
+    of: impl Fn(&Material) -> T,
+) -> Result<Option<T>, Differing> {
+    let Some((first, others)) = surfaces.split_first() else {
+        return Ok(None);
+    };
+    let value = of(first);
+    match others.iter().all(|other| of(other) == value) {
+        true => Ok(Some(value)),
+        false => Err(Differing),
     }
 }
 

@@ -205,7 +205,48 @@ fn what_no_picture_holds_is_that_of_the_surface_that_is_seen() {
     assert_eq!(whole.material.iridescence_ior, 2.0);
     let none = of("0.0");
     assert!(!none.material.unlit && none.lost.is_empty());
-    assert_eq!(of("0.5").lost, ["unlit", "iridescence_ior"]);
+    // The other surface has no film.
+    let half = of("0.5");
+    assert_eq!(half.material.iridescence_ior, 2.0);
+    assert_eq!(half.lost, ["unlit"]);
+}
+
+#[test]
+fn bodies_of_blends_absorb_what_those_do_that_let_light_through() {
+    let of = |base: &str| {
+        let look = format!(
+            "[material.M]\n{base}blend = {{ base = \"M\", over = \"Glass\", mask = 0.5 }}\n\
+             [material.Glass]\ntransmission = 1.0\nsolid = true\nattenuation_color = [0.5, 0.25, 1.0]\n\
+             attenuation_distance = 0.5\n"
+        );
+        baked(&look, &[], &SETTINGS)
+    };
+    let paint = of("");
+    assert!(paint.material.is_solid && paint.lost.is_empty());
+    let mut glass = plain();
+    glass.attenuate(Vec3::new(0.5, 0.25, 1.0), 0.5);
+    assert_eq!(paint.material.absorption, glass.absorption);
+    assert_eq!(of("transmission = 0.5\n").lost, ["solid"]);
+    let tinted = of("transmission = 0.5\nsolid = true\ndispersion = 1.0\n");
+    assert_eq!(tinted.lost, ["dispersion", "attenuation_color"]);
+}
+
+/// Followed side by side these would be more than any computer can.
+#[test]
+fn blends_that_share_what_they_blend_are_followed_once() {
+    let mut look = "[material.B0]\nunlit = true\n".to_owned();
+    for i in 1..=60 {
+        let below = i - 1;
+        let name = match i {
+            60 => "M".to_owned(),
+            _ => format!("B{i}"),
+        };
+        look += &format!(
+            "[material.{name}]\nblend = {{ base = \"B{below}\", over = \"B{below}\", mask = 0.5 }}\n"
+        );
+    }
+    let baked = baked(&look, &[], &SETTINGS);
+    assert!(baked.material.unlit && baked.lost.is_empty());
 }
 
 /// Renderers take such colours as 1 at most, and so do pictures.
