@@ -199,6 +199,25 @@ fn a_lit_room_beyond_the_door_of_a_dark_one_keeps_its_light() {
     }
 }
 
+/// A path that comes by a pure red wall knows nothing of green and blue: cells that counted it as black had a tenth less of both.
+#[test]
+fn walls_of_one_pure_colour_take_nothing_from_the_others() {
+    let Some(device) = device::open() else { return };
+    let of = |device: &_, method, spp| {
+        let mut scene = room();
+        scene.materials[4].base_color = Vec3::new(0.8, 0.0, 0.0).extend(1.0);
+        scene.materials[5].base_color = Vec3::new(0.0, 0.8, 0.0).extend(1.0);
+        mean(&film(device, scene, &seen((48, 32), 1, method), spp))
+    };
+    let expected = of(&device::open_for_reference(), Method::Path, 1024);
+    for method in [Method::Draft, Method::Cache] {
+        let found = of(&device, method, 128);
+        println!("{}: {found} where paths find {expected}", method.name());
+        let off = (found / expected - 1.0).abs().max_element();
+        assert!(off < 0.03, "{}: {off}", method.name());
+    }
+}
+
 #[test]
 fn the_picture_does_not_depend_on_how_waves_are_cut() {
     let Some(device) = device::open() else { return };

@@ -3,17 +3,19 @@
 //!include shared/queue_lists.wgsl
 //!include light_cache/cells.wgsl
 
-// What the surface in the cell has scattered, of a path's radiance; in w 0 where that isn't finite. It is dropped then, as it is from the
-// film: its bits tell.
+// What the surface in the cell has scattered, of a path's radiance; in w 0 where the path doesn't say. That it isn't finite its bits tell:
+// it is dropped then, as it is from the film. So is a path of which hardly anything of one colour came as far, by a pure red wall or
+// as one hue of many: it says nothing of that colour here, and what it says of the others a cell can't count apart. What it carries is
+// decided before the cell, so that the mean of the others stays right.
 fn scattered_from(slot: u32, radiance: vec3f) -> vec4f {
     let field = light_cache_settings.record;
     let found = radiance - bitcast<vec3f>(path_words(field + 1u, slot).xyz);
     let throughput = bitcast<vec3f>(path_words(field, slot).yzw);
-    // A colour that hardly anything comes through says nothing of what was there.
     let least = 1e-3 * max(max(throughput.x, throughput.y), throughput.z);
-    let scattered = max(select(vec3f(0.0), found / throughput, throughput > vec3f(least)), vec3f(0.0));
+    let says = all(throughput > vec3f(least));
+    let scattered = max(found / throughput, vec3f(0.0));
     let is_finite = all((bitcast<vec3u>(scattered) & vec3u(0x7f800000u)) != vec3u(0x7f800000u));
-    return select(vec4f(0.0), vec4f(scattered, 1.0), is_finite);
+    return select(vec4f(0.0), vec4f(scattered, 1.0), is_finite && says);
 }
 
 // Tells a path's cell so; `lesser` as for `cell_mean`.
