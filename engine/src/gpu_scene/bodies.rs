@@ -87,7 +87,8 @@ impl Bodies {
         let around = |lamp: &Lamp| {
             let mut media = lamp.places.iter().map(|&place| self.around(place));
             let first = media.next().unwrap_or_default();
-            let media = if media.all(|media| media == first) {
+            // In none there, it is in none throughout or not in the same ones: the other places needn't be asked.
+            let media = if first != [0; MOST] && media.all(|media| media == first) {
                 first
             } else {
                 [0; MOST]
