@@ -545,13 +545,16 @@ fn a_copy_of_a_texture_has_the_shared_files_that_it_uses() {
 
 #[test]
 fn a_preview_never_replaces_an_image_that_it_reads() {
-    let desk = Desk::new().with("wood.png", "no picture");
-    for value in [
-        "wood.png",
-        "{file=\"wood.png\",filter=\"nearest\"}",
-        "'wood.png'",
+    let desk = (Desk::new().with("wood.png", "no picture")).with("it's.png", "no picture");
+    for (value, output) in [
+        ("wood.png", "wood.png"),
+        ("{file=\"wood.png\",filter=\"nearest\"}", "wood.png"),
+        ("'wood.png'", "wood.png"),
+        ("\"wo\\u006fd.png\"", "wood.png"),
+        ("it's.png", "it's.png"),
+        ("{file=\"it's.png\"}", "it's.png"),
     ] {
-        let line = format!("texture preview image --set file={value} -o wood.png");
+        let line = format!("texture preview image --set file={value} -o {output}");
         let told = desk.run(&line, 2);
         assert!(told.stderr.contains("is an input"), "{}", told.stderr);
     }

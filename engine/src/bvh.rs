@@ -4,6 +4,7 @@
 
 mod binary;
 mod bounds;
+mod crossings;
 mod reinsertion;
 #[cfg(test)]
 mod tests;
@@ -16,7 +17,9 @@ use rayon::prelude::*;
 
 use crate::scene::{Instance, Mesh, Scene};
 
-use self::{bounds::Bounds, wide::WideBvh};
+use self::wide::WideBvh;
+
+pub(crate) use self::{bounds::Bounds, crossings::Crossings};
 
 pub use self::wide::WideNode;
 

@@ -218,9 +218,13 @@ impl Film {
             let n = f64::from(self.samples(pixel).max(1));
             let sum = self.sum(pixel);
             let caught = self.caught(pixel).map_or([0.0; 3], |caught| caught.light);
-            // Where filters with negative weights cover more than all, alpha is 1, and colours are those of 1.
-            let excess =
-                (covered.as_ref()).map_or(1.0, |covered| f64::from(covered[pixel].max(1.0)));
+            // Where filters with negative weights cover more than all, alpha is 1, and colours are those of 1; where they cover less than
+            // nothing, there is nothing.
+            let covered = (covered.as_ref()).map_or(1.0, |covered| f64::from(covered[pixel]));
+            if covered <= 0.0 {
+                return [0.0; 3];
+            }
+            let excess = covered.max(1.0);
             std::array::from_fn(|c| {
                 let [low, middle, high, _] = environment[c][pixel];
                 // Both sums are exact, so that nothing is left where there is nothing else.

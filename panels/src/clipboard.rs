@@ -1,17 +1,21 @@
 //! Nodes as text, for the clipboard: tables of a look, so that they go from one look to another, and can be written by hand. The AO
-//! tables that they name go with them.
+//! tables that they name go with them, and where the look lies whose folder their images are named from.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, absolute};
 
 use engine::scene::look::{AoLook, AoSettings, NodeLook, Section, Spanned, Value, link_text};
 use engine::session::{Document, Edit, summary};
 
 use crate::edits::{free_name, link, numbered};
+use crate::model::assumed_link;
 use crate::textures::Textures;
 
 /// The keys by which a node names AO tables.
 const OCCLUSION: [&str; 2] = ["occlusion", "occlusion1"];
+
+/// Stands before the path of the look that tables were copied from, on the first line: a comment, so that the text is one of a look.
+const ORIGIN: &str = "# from ";
 
 /// What is in the clipboard then.
 #[derive(Debug, Default)]
@@ -51,7 +55,28 @@ pub(crate) fn copied(document: &Document, nodes: &[String]) -> Copied {
         }
     }
     copied.text = copy.text().to_owned();
+    if let Some(line) = origin_line(document.path(), &copied.text) {
+        copied.text.insert_str(0, &line);
+    }
     copied
+}
+
+/// Says where the look with these tables lies. None where they mean the same files in any folder.
+fn origin_line(path: &Path, text: &str) -> Option<String> {
+    let path = absolute(path).ok()?;
+    let written = path
+        .to_str()
+        .filter(|path| !path.contains(char::is_control))?;
+    let elsewhere = path.parent()?.join("elsewhere").join(path.file_name()?);
+    let mut tables = Document::new(&path, text).ok()?;
+    let names_files = tables.move_to(&elsewhere);
+    names_files.then(|| format!("{ORIGIN}{written}\n"))
+}
+
+/// Where the look lies that a text was copied from, as far as it says so.
+fn origin(text: &str) -> Option<&Path> {
+    let path = Path::new(text.lines().next()?.strip_prefix(ORIGIN)?);
+    path.is_absolute().then_some(path)
 }
 
 /// The AO tables that a node names.
@@ -110,7 +135,7 @@ fn pasted_ao(document: &Document, source: &Document) -> (BTreeMap<String, String
 }
 
 /// The nodes of a text, under names that are free here, with links among them, and to nodes of their names that there are here. Their AO
-/// tables are those of here that say the same, or come along.
+/// tables are those of here that say the same, or come along. Images are named from the folder of this look.
 ///
 /// # Errors
 /// It is none of a look, or has no nodes: says so.
@@ -119,8 +144,14 @@ pub(crate) fn pasted(
     textures: &Textures,
     text: &str,
 ) -> Result<(Vec<String>, Vec<Edit>), String> {
-    let source = Document::new(Path::new("the clipboard"), text)
-        .map_err(|_| "what was copied are no nodes of a look".to_owned())?;
+    let read = |path: &Path| {
+        Document::new(path, text).map_err(|_| "what was copied are no nodes of a look".to_owned())
+    };
+    let source = read(Path::new("the clipboard"))?;
+    let mut moved = origin(text).map(read).transpose()?;
+    if let Some(moved) = &mut moved {
+        moved.move_to(document.path());
+    }
     let nodes = &source.look().nodes;
     if nodes.is_empty() {
         return Err("what was copied has no nodes".to_owned());
@@ -147,7 +178,8 @@ pub(crate) fn pasted(
             ));
         }
         let section = || Section::Node(names[&*node.name.value].clone());
-        for field in source.table(&Section::Node(node.name.value.clone())) {
+        let there = Section::Node(node.name.value.clone());
+        for field in source.table(&there) {
             let key = &field.key.value;
             // Of a texture with mistakes nobody knows what is a link: what has the name of a node that comes along counts.
             let can_link = match texture {
@@ -155,12 +187,8 @@ pub(crate) fn pasted(
                     let mut parameters = texture.parameters().iter();
                     parameters.any(|p| p.name == *key && p.ty.is_linkable())
                 }
-                None => match &field.value.value {
-                    Value::Text(text) => {
-                        link_text(text).is_ok_and(|wire| names.contains_key(&*wire.node))
-                    }
-                    _ => false,
-                },
+                None => assumed_link(&field.value.value)
+                    .is_some_and(|wire| names.contains_key(&*wire.node)),
             };
             let value = match (&field.value.value, can_link) {
                 (Value::Text(table), _) if OCCLUSION.contains(&key.as_str()) => {
@@ -176,7 +204,10 @@ pub(crate) fn pasted(
                     // A colour.
                     Err(_) => field.value.value.clone(),
                 },
-                (value, _) => value.clone(),
+                (value, _) => {
+                    let from_here = moved.as_ref().and_then(|moved| moved.value(&there, key));
+                    from_here.unwrap_or_else(|| value.clone())
+                }
             };
             edits.push(Edit::set(section(), key, value));
         }
@@ -258,7 +289,7 @@ mod tests {
     /// What its parameters are, nobody knows until the mistakes are mended.
     #[test]
     fn links_of_a_texture_with_mistakes_are_links() {
-        const ODD: &str = "[node.noise]\ntexture = \"fbm\"\n\n[node.odd]\ntexture = \"odd\"\nx = \"noise.x\"\ncolor = \"#102030\"\n";
+        const ODD: &str = "[node.noise]\ntexture = \"fbm\"\n\n[node.odd]\ntexture = \"odd\"\nx = \"noise.x\"\ncolor = \"#102030\"\nfile = \"noise.png\"\n\n[material.Iron]\nbase_color = \"odd\"\n";
         let mut textures = textures();
         let mistake = texgen::Diagnostic::error("a brace is missing");
         textures.broken.push(("odd".to_owned(), mistake.into()));
@@ -271,14 +302,54 @@ mod tests {
             document.text().to_owned()
         };
         let without = after(&crate::edits::remove_nodes(&from, &model, &nodes[..1]));
-        assert!(!without.contains("noise"), "{without}");
+        assert!(!without.contains("[node.noise]"), "{without}");
+        assert!(!without.contains("noise.x"), "{without}");
         assert!(without.contains("#102030"), "{without}");
+        // An image is no link.
+        assert!(without.contains("file = \"noise.png\""), "{without}");
+        assert!(model.loose_nodes(from.look()).is_empty());
         let (_, edits) = crate::edits::duplicate(&from, &model, &nodes);
-        assert!(after(&edits).contains("x = \"noise_2.x\""));
+        let doubled = after(&edits);
+        assert!(doubled.contains("x = \"noise_2.x\""), "{doubled}");
+        assert_eq!(doubled.matches("file = \"noise.png\"").count(), 2);
         let copied = copied(&from, &nodes).text;
         let (names, edits) = pasted(&from, &textures, &copied).expect("it is there");
         assert_eq!(names, ["noise_2", "odd_2"]);
-        assert!(after(&edits).contains("x = \"noise_2.x\""));
+        let pasted = after(&edits);
+        assert!(pasted.contains("x = \"noise_2.x\""), "{pasted}");
+        assert_eq!(pasted.matches("file = \"noise.png\"").count(), 2);
+    }
+
+    #[test]
+    fn images_are_the_same_files_in_another_folder() {
+        const IMAGES: &str = "[node.wood]\ntexture = \"image\"\nfile = \"tex/wood.png\"\n\n[node.noise]\ntexture = \"fbm\"\n";
+        let folder = tempfile::tempdir().expect("a folder");
+        for name in ["tex", "looks"] {
+            std::fs::create_dir(folder.path().join(name)).expect("a folder");
+        }
+        let at = |path: &str, text: &str| {
+            Document::new(&folder.path().join(path), text).expect("a look")
+        };
+        let from = at("a.look.toml", IMAGES);
+        let text = copied(&from, &["wood".to_owned()]).text;
+        let textures = textures();
+        let paste = |path: &str, text: &str| {
+            let mut to = at(path, "");
+            let (_, edits) = pasted(&to, &textures, text).expect("they are nodes");
+            to.apply("paste", &edits, None).expect("they fit");
+            to.text().to_owned()
+        };
+        let near = paste("b.look.toml", &text);
+        assert!(near.contains("file = \"tex/wood.png\""), "{near}");
+        let away = paste("looks/b.look.toml", &text);
+        assert!(away.contains("file = \"../tex/wood.png\""), "{away}");
+        // A comment of another kind says nothing.
+        let (_, tables) = text.split_once('\n').expect("it has lines");
+        let by_hand = paste("looks/b.look.toml", &format!("# from home\n{tables}"));
+        assert!(by_hand.contains("file = \"tex/wood.png\""), "{by_hand}");
+        // Nor does the text say where what names no files is from.
+        let plain = copied(&from, &["noise".to_owned()]).text;
+        assert!(!plain.contains('#'), "{plain}");
     }
 
     #[test]

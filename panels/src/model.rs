@@ -1,14 +1,17 @@
 //! What a look means to an editor: its graph, which nodes belong to which material, and who reads what.
 
 use std::collections::{HashMap, HashSet};
+use std::path::Path;
 use std::rc::Rc;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use engine::procedural::{Output, resketch, sketch};
-use engine::scene::look::{Field, Look, NodeLook, Section, Value, find, link_text};
+use engine::scene::look::{Field, Link, Look, NodeLook, Section, Value, find, link_text};
 use engine::session::Document;
 use texgen::{Graph, Library, Swizzle, TextureType};
+
+use crate::widgets::is_image;
 
 /// Something that a node's result can be connected to.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -320,6 +323,15 @@ fn material_of(wire: &Wire) -> Option<&str> {
     }
 }
 
+/// The link that a value of a node is whose texture has mistakes, or is missing. Nobody knows what its parameters are; but what is called
+/// like an image is one: `wood.png` leads to no output of a node `wood`.
+pub(crate) fn assumed_link(value: &Value) -> Option<Link> {
+    match value {
+        Value::Text(text) if !is_image(Path::new(text)) => link_text(text).ok(),
+        _ => None,
+    }
+}
+
 /// All links as they are written, those of nodes first.
 fn wires(look: &Look, graph: &Graph, materials: &HashMap<String, Vec<Field>>) -> Vec<Wire> {
     let mut wires = Vec::new();
@@ -343,20 +355,18 @@ fn wires(look: &Look, graph: &Graph, materials: &HashMap<String, Vec<Field>>) ->
         for field in &node.params {
             let parameter = &field.key.value;
             let declared = texture.and_then(|texture| texture.parameter(parameter));
-            // The path of an image is no link. Of a texture with mistakes nobody knows what is one: what has the name of a node counts.
+            // The path of an image is no link. Of a texture with mistakes, what leads to a node counts.
             let may_link = match texture {
                 Some(_) => declared.is_some_and(|(_, declared)| declared.ty.is_linkable()),
-                None => true,
+                None => assumed_link(&field.value.value)
+                    .is_some_and(|link| nodes.contains(link.node.as_str())),
             };
             if may_link {
                 let target = Target::Parameter {
                     node: name.clone(),
                     parameter: parameter.clone(),
                 };
-                let wire = wire(&field.value.value, target);
-                wires.extend(
-                    wire.filter(|wire| texture.is_some() || nodes.contains(wire.source.as_str())),
-                );
+                wires.extend(wire(&field.value.value, target));
             }
         }
     }

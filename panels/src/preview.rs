@@ -305,7 +305,6 @@ fn hash_of(shown: &mut Shown, images: &[ModelImage], model: &Model, node: &str) 
     hash
 }
 
-/// A value without its place in the text.
 /// What a texture is made of, with the shared files that it uses.
 fn hash_texture(texture: Option<&TextureType>, hasher: &mut DefaultHasher) {
     let Some(file) = texture.map(TextureType::file) else {
@@ -313,10 +312,12 @@ fn hash_texture(texture: Option<&TextureType>, hasher: &mut DefaultHasher) {
     };
     file.text().hash(hasher);
     for library in file.libraries() {
+        library.name().hash(hasher);
         library.text().hash(hasher);
     }
 }
 
+/// A value without its place in the text.
 fn hash_value(value: &Value, hasher: &mut DefaultHasher) {
     std::mem::discriminant(value).hash(hasher);
     match value {
@@ -445,6 +446,8 @@ fn shown(value: [f32; 4], output: OutputType) -> Color32 {
 mod tests {
     use std::path::Path;
 
+    use texgen::SourceFile;
+
     use super::*;
 
     const LOOK: &str = "[node.a]\ntexture = 'ramp'\n[node.b]\ntexture = 'tint'\nx = 'a'\nred = 0.5\n\
@@ -485,6 +488,41 @@ mod tests {
         let [same_a, other_b, same_c] = hashes(&LOOK.replace("0.5", "0.6"));
         assert_eq!((a, c), (same_a, same_c));
         assert_ne!(b, other_b);
+    }
+
+    #[test]
+    fn a_picture_is_made_anew_when_a_shared_file_changes() {
+        let textures = |half: &str| {
+            let shared = format!("fn lessen(x: f32) -> f32 {{ return {half}; }}");
+            let shared = SourceFile::new("lessening", "lib/lessening.wgsl", shared);
+            let text = "/// @use lessening\nfn userProc(x: f32) -> f32 { return lessen(x); }";
+            let file = SourceFile::new("halved", "halved.wgsl", text);
+            let mut sources = TextureSources::default();
+            sources.insert_file(file.with_libraries(vec![shared]));
+            sources.insert("plain", "fn userProc() -> f32 { return 0.5; }");
+            let textures = Textures::load(&sources);
+            assert!(textures.broken.is_empty(), "{:?}", textures.broken);
+            textures
+        };
+        let look = "[node.a]\ntexture = 'halved'\n[node.b]\ntexture = 'halved'\nx = 'a'\n\
+                    [node.c]\ntexture = 'plain'\n";
+        let hashes = |textures: &Textures| {
+            let document = document(look);
+            let model = Model::new(&document, &textures.library);
+            let mut shown = Shown::new(&document, textures);
+            let nodes = ["a", "b", "c"].map(|node| hash_of(&mut shown, &[], &model, node));
+            let by_itself = |name: &str| {
+                let mut hasher = DefaultHasher::new();
+                hash_texture(textures.library.get(name), &mut hasher);
+                hasher.finish()
+            };
+            (nodes, ["halved", "plain"].map(by_itself))
+        };
+        let ([a, b, c], [halved, plain]) = hashes(&textures("0.5 * x"));
+        assert_eq!(hashes(&textures("0.5 * x")), ([a, b, c], [halved, plain]));
+        let ([other_a, other_b, same_c], [other_halved, same_plain]) = hashes(&textures("x / 2.0"));
+        assert!(other_a != a && other_b != b && other_halved != halved);
+        assert_eq!((same_c, same_plain), (c, plain));
     }
 
     const MAPS: &str = "[node.a]\ntexture = 'map'\nfile = 'model:t.png'\n\

@@ -5,7 +5,7 @@ use engine::session::{Document, Edit};
 
 use crate::edits::link;
 use crate::framing::renamed;
-use crate::model::{Model, Target};
+use crate::model::{Model, Target, assumed_link};
 
 /// A table that gets another name, and those that refer to it.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,9 +42,12 @@ impl Renaming {
             let texture = model.texture(&reader.name.value);
             for field in &reader.params {
                 let key = &field.key.value;
-                // The path of an image is no link. What the parameter of a texture with mistakes is, nobody knows.
-                let declared = texture.and_then(|texture| texture.parameter(key));
-                let may_link = declared.is_none_or(|(_, declared)| declared.ty.is_linkable());
+                // The path of an image is no link. What a parameter that the texture lacks is, nobody knows.
+                let may_link = match texture {
+                    Some(texture) => (texture.parameter(key))
+                        .is_none_or(|(_, declared)| declared.ty.is_linkable()),
+                    None => assumed_link(&field.value.value).is_some(),
+                };
                 if let (Value::Text(text), true) = (&field.value.value, may_link) {
                     let section = Section::Node(reader.name.value.clone());
                     followers.extend(to_name(text).map(|value| Edit::set(section, key, value)));
@@ -165,7 +168,7 @@ mod tests {
     use crate::Textures;
 
     const LOOK: &str = "# Head.\n[node.rust] # it rusts\ntexture = 'mask' # mine\n\n[node.paint]\ntexture = 'tint'\n\
-                        a = 'rust' # below\nb = \"rust.x\"\nimage = 'rust'\n\n[node.odd]\ntexture = 'missing'\nx = 'rust.xx'\n\n\
+                        a = 'rust' # below\nb = \"rust.x\"\nimage = 'rust'\n\n[node.odd]\ntexture = 'missing'\nx = 'rust.xx'\nfile = 'rust.png'\n\n\
                         [material.Iron]\nroughness = 'rust'\nblend = { base = 'Iron', over = 'New', mask = 'rust' } # all\n\n\
                         [material.New] # added\nmetallic = 1\n";
 

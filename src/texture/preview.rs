@@ -9,7 +9,7 @@ use engine::isolated::Subject;
 use engine::preview::{MaterialPreview, Preview};
 use engine::procedural::TextureSources;
 use engine::renderer::Renderer;
-use engine::scene::look::Look;
+use engine::scene::look::{Look, Value, parse_value};
 use engine::scene::view::View;
 
 use crate::failure::Failure;
@@ -52,11 +52,9 @@ pub(crate) fn run(job: &PreviewJob) -> Result<(), Failure> {
         Some(look) => engine::load::files(Path::new(""), Some(look)),
         None => Vec::new(),
     };
-    // An argument may be an image.
-    // Or a table that names one: whatever stands between quotation marks may.
-    let values = target.sets.iter().map(|(_, value)| value);
-    let named = values.flat_map(|value| value.split(['"', '\'']));
-    read.extend(named.filter(|part| !part.is_empty()).map(PathBuf::from));
+    for (_, value) in &target.sets {
+        named_by(value, &mut read);
+    }
     output::check_all(&written, &read)?;
     let studio = match (&look, job.is_material) {
         (Some(look), true) => {
@@ -111,6 +109,29 @@ pub(crate) fn run(job: &PreviewJob) -> Result<(), Failure> {
     match is_complete {
         true => Ok(()),
         false => Err(Failure::Interrupted),
+    }
+}
+
+/// The files that an argument may name: an image is a text, or a table with one.
+fn named_by(argument: &str, files: &mut Vec<PathBuf>) {
+    match parse_value(argument) {
+        Some(value) => texts(&value.value, files),
+        // It may be a path without quotes, which may have some in it, or a table with numbers that TOML has no place for.
+        None => {
+            files.push(argument.into());
+            let parts = argument.split(['"', '\'']).filter(|part| !part.is_empty());
+            files.extend(parts.map(PathBuf::from));
+        }
+    }
+}
+
+/// All texts in a value, as paths.
+fn texts(value: &Value, files: &mut Vec<PathBuf>) {
+    match value {
+        Value::Text(text) => files.push(text.into()),
+        Value::List(items) => items.iter().for_each(|item| texts(&item.value, files)),
+        Value::Table(fields) => fields.iter().for_each(|f| texts(&f.value.value, files)),
+        Value::Bool(_) | Value::Integer(_) | Value::Float(_) | Value::Date => {}
     }
 }
 

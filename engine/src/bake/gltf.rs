@@ -430,8 +430,11 @@ impl Planes {
             let texels = maps.plane(place, 1).zip(&maps.is_shown);
             texels.filter(|(_, is_shown)| **is_shown)
         };
-        let count = shown().count().max(1) as f64;
-        let mean = shown().map(|(texel, _)| f64::from(texel[0])).sum::<f64>() / count;
+        let count = shown().count();
+        if count == 0 {
+            return Vec::new();
+        }
+        let mean = shown().map(|(texel, _)| f64::from(texel[0])).sum::<f64>() / count as f64;
         material.ior = mean as f32;
         match shown().any(|(texel, _)| (texel[0] - material.ior).abs() > SAME) {
             true => vec!["ior"],

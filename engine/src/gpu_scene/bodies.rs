@@ -1,10 +1,13 @@
 //! Which transparent bodies a camera or a lamp is in. A path knows the bodies that it has gone into; where it begins in some, the frame tells
 //! it of them, so that what else is in there is seen through what they are made of.
 
-use glam::{Affine3A, Vec3};
+use std::sync::OnceLock;
+
+use glam::{Affine3A, Vec3, Vec3A};
 use rayon::prelude::*;
 
 use crate::{
+    bvh::{Bounds, Crossings},
     pick::{Ray, intersect},
     scene::{Instance, Material, Mesh, Scene},
     texturing::ProgramTraits,
@@ -34,6 +37,37 @@ pub(crate) struct Bodies {
 struct Surface {
     /// In object space, each with its material.
     triangles: Vec<([Vec3; 3], u32)>,
+    /// Over them: made where many places are asked for. One place alone is asked for sooner without it.
+    hierarchy: OnceLock<Crossings>,
+}
+
+/// A ray's number, how far away it meets a triangle, which material that has, and whether it is its front.
+type Hit = (usize, f32, u32, bool);
+
+/// Lamps, and which bodies they are in once somebody has asked.
+#[derive(Debug)]
+pub(super) struct Lamps {
+    lamps: Vec<Lamp>,
+    media: OnceLock<Vec<[u32; MOST]>>,
+}
+
+impl Lamps {
+    pub(super) fn new(lamps: Vec<Lamp>) -> Self {
+        Self {
+            lamps,
+            media: OnceLock::new(),
+        }
+    }
+
+    /// Bodies have changed.
+    pub(super) fn forget_bodies(&mut self) {
+        self.media.take();
+    }
+
+    /// For each light with a place the bodies that hold it, as [`Bodies::around`] has them.
+    pub(super) fn media(&self, bodies: &Bodies) -> &[[u32; MOST]] {
+        self.media.get_or_init(|| bodies.around_lamps(&self.lamps))
+    }
 }
 
 /// One of them in the world.
@@ -83,7 +117,14 @@ impl Bodies {
 
     /// For each light those that hold it, as [`Self::around`] has them; none for lights of a lamp that isn't in the same ones
     /// throughout.
-    pub(crate) fn around_lamps(&self, lamps: &[Lamp]) -> Vec<[u32; MOST]> {
+    fn around_lamps(&self, lamps: &[Lamp]) -> Vec<[u32; MOST]> {
+        let may_be_in = |placed: &&Placed| {
+            let mut first = lamps.iter().filter_map(|lamp| lamp.places.first());
+            first.any(|&place| placed.may_hold(place))
+        };
+        for placed in self.placed.iter().filter(may_be_in) {
+            self.surfaces[placed.surface].prepare();
+        }
         let around = |lamp: &Lamp| {
             let mut media = lamp.places.iter().map(|&place| self.around(place));
             let first = media.next().unwrap_or_default();
@@ -95,7 +136,7 @@ impl Bodies {
             };
             std::iter::repeat_n(media, lamp.lights)
         };
-        lamps.iter().flat_map(around).collect()
+        lamps.par_iter().flat_map_iter(around).collect()
     }
 
     /// The bodies that hold a point, the innermost first, as a path has them: 1 + material, 0 for none.
@@ -132,7 +173,43 @@ impl Surface {
             .filter(|(_, material)| bounds[**material as usize][has_colors])
             .map(|(triangle, &material)| (corners(triangle), material))
             .collect();
-        Self { triangles }
+        Self {
+            triangles,
+            hierarchy: OnceLock::new(),
+        }
+    }
+
+    fn prepare(&self) {
+        self.hierarchy.get_or_init(|| {
+            let corners = self.triangles.par_iter().map(|(corners, _)| corners);
+            let boxes: Vec<Bounds> = corners
+                .map(|corners| Bounds::around(corners.map(Vec3A::from)))
+                .collect();
+            Crossings::over(&boxes)
+        });
+    }
+
+    /// All that rays meet, in no order.
+    fn met_by(&self, rays: &[Ray]) -> Vec<Hit> {
+        let hit = |number: usize, ray: &Ray, (corners, material): &([Vec3; 3], u32)| {
+            let (distance, _, is_front) = intersect(ray, *corners)?;
+            Some((number, distance, *material, is_front))
+        };
+        let Some(hierarchy) = self.hierarchy.get() else {
+            return (self.triangles.par_iter())
+                .flat_map_iter(|triangle| {
+                    let rays = rays.iter().enumerate();
+                    rays.filter_map(move |(number, ray)| hit(number, ray, triangle))
+                })
+                .collect();
+        };
+        let mut hits = Vec::new();
+        for (number, ray) in rays.iter().enumerate() {
+            hierarchy.visit(ray.origin.into(), ray.direction.into(), |triangle| {
+                hits.extend(hit(number, ray, &self.triangles[triangle as usize]));
+            });
+        }
+        hits
     }
 }
 
@@ -161,14 +238,7 @@ impl Placed {
             direction: self.object_from_world.transform_vector3(direction),
         };
         let rays: Vec<Ray> = (0..DIRECTIONS).map(|i| ray(direction(i))).collect();
-        let hits: Vec<(usize, f32, u32, bool)> = (surface.triangles.par_iter())
-            .flat_map_iter(|&(corners, material)| {
-                rays.iter().enumerate().filter_map(move |(number, ray)| {
-                    let (distance, _, is_front) = intersect(ray, corners)?;
-                    Some((number, distance, material, is_front))
-                })
-            })
-            .collect();
+        let hits = surface.met_by(&rays);
         let mut materials: Vec<u32> = hits.iter().map(|hit| hit.2).collect();
         materials.sort_unstable();
         materials.dedup();

@@ -33,12 +33,12 @@ use crate::{
 };
 
 use self::{
-    bodies::Bodies,
+    bodies::{Bodies, Lamps},
     environment::GpuEnvironment,
     geometry::Geometry,
     host_traversal::HostTraversal,
     images::GpuImages,
-    lights::{Lamp, LightTable},
+    lights::LightTable,
     materials::GpuMaterial,
     update::Uploaded,
 };
@@ -264,7 +264,7 @@ pub struct GpuScene {
     /// Which transparent bodies are where.
     pub(crate) bodies: Bodies,
     /// Where the lights with a place are.
-    pub(crate) lamps: Vec<Lamp>,
+    lamps: Lamps,
     /// What later changes of materials are compared with.
     uploaded: Uploaded,
 }
@@ -273,6 +273,12 @@ impl GpuScene {
     /// Whether the sky and lamps infinitely far away are all that lights, and no texture program has a say in that.
     pub(crate) fn is_lit_from_afar(&self) -> bool {
         self.light_count == 0 && !self.features.program_shadows && !self.uploaded.glows()
+    }
+
+    /// For each light with a place the bodies that it is in, the innermost first: 1 + material, 0 for none. The first call after a change
+    /// of lamps or bodies takes a moment.
+    pub(crate) fn media_of_lamps(&self) -> &[[u32; 4]] {
+        self.lamps.media(&self.bodies)
     }
 
     /// The order of triangles and instances on the GPU. Its nodes are not kept.
@@ -397,7 +403,7 @@ impl GpuScene {
             image_bytes: images.bytes,
             casters: casters::targets(scene, &program),
             bodies: Bodies::of(scene, &program),
-            lamps: lights.lamps,
+            lamps: Lamps::new(lights.lamps),
         })
     }
 }

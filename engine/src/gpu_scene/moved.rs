@@ -18,7 +18,7 @@ use crate::{
 
 use super::{
     GpuScene, GpuSceneError, MAX_MATERIALS, SceneFeatures,
-    bodies::Bodies,
+    bodies::{Bodies, Lamps},
     casters,
     environment::GpuEnvironment,
     geometry::{self, Geometry},
@@ -110,6 +110,7 @@ impl GpuScene {
         self.environment_group = scene.light_groups.of(LightSource::Environment);
         self.casters = casters::targets(scene, &program);
         self.bodies = Bodies::of(scene, &program);
+        self.lamps.forget_bodies();
         self.uploaded.flags = flags;
         Ok(())
     }
@@ -220,7 +221,7 @@ impl GpuScene {
         put(device, resources, "lights", &lights.bytes())?;
         put(device, resources, "materials", &records)?;
         self.light_count = lights.placed.len() as u32;
-        self.lamps = lights.lamps;
+        self.lamps = Lamps::new(lights.lamps);
         self.directional_count = lights.directional.len() as u32;
         self.uploaded.emission = emission;
         self.uploaded.materials = records;

@@ -15,7 +15,7 @@ use crate::{
 
 use super::{
     GpuScene, GpuSceneError, Shadows,
-    bodies::Bodies,
+    bodies::{Bodies, Lamps},
     casters,
     geometry::{self, Geometry},
     host_traversal::HostTraversal,
@@ -153,7 +153,7 @@ impl GpuScene {
             }
             is_moved = write_lights(device, &lights, resources)?;
             self.light_count = lights.placed.len() as u32;
-            self.lamps = lights.lamps;
+            self.lamps = Lamps::new(lights.lamps);
             self.uploaded.emission = emission;
         }
         let size = size_of::<GpuMaterial>();
@@ -168,6 +168,7 @@ impl GpuScene {
         self.casters = casters::targets(scene, &program);
         if !self.bodies.have_bounds_of(scene, &program) {
             self.bodies = Bodies::of(scene, &program);
+            self.lamps.forget_bodies();
         }
         Ok(Update::Written { is_moved })
     }
@@ -190,7 +191,7 @@ impl GpuScene {
         }
         let is_moved = write_lights(device, &lights, resources)?;
         self.light_count = lights.placed.len() as u32;
-        self.lamps = lights.lamps;
+        self.lamps = Lamps::new(lights.lamps);
         self.directional_count = lights.directional.len() as u32;
         Ok(Update::Written { is_moved })
     }

@@ -312,16 +312,16 @@ impl Renderer {
     /// Finds out how many photons are to start at each lamp.
     fn weigh_lights(&mut self) -> Result<(), RenderError> {
         let lights = u64::from(self.scene.light_count + self.scene.directional_count) + 1;
-        let media = self.scene.bodies.around_lamps(&self.scene.lamps);
-        let bytes = 8 * lights + size_of_val(&media[..]) as u64;
+        let bytes = 8 * lights + size_of_val(self.scene.media_of_lamps()) as u64;
         if self.resources.buffer("photon_lights").size() < bytes {
             let buffer = (self.device).buffer("photon lights", Usage::Storage, bytes)?;
             self.resources.set_buffer("photon_lights", buffer);
             self.bind();
         }
+        let media = self.scene.media_of_lamps();
         let buffer = self.resources.buffer("photon_lights");
         if !media.is_empty() {
-            (self.device).write(buffer, 8 * lights, bytemuck::cast_slice(&media));
+            (self.device).write(buffer, 8 * lights, bytemuck::cast_slice(media));
         }
         self.set_photons(Purpose::Photons);
         let frame = self.resources.buffer("frame");

@@ -456,6 +456,24 @@ fn a_lamp_behind_its_own_and_others_opacity() {
     assert_same("opacity of lamp and screens", &tested, &reference, 0.012);
 }
 
+/// Its back doesn't say that a path was in it, either.
+#[test]
+fn a_body_whose_surface_is_not_there_absorbs_nothing() {
+    let Some(device) = device::open() else { return };
+    let mut glass = Material {
+        transmission: 1.0,
+        is_solid: true,
+        metallic: 0.0,
+        roughness: 0.0,
+        ..Material::default()
+    };
+    glass.attenuate(Vec3::new(0.5, 0.25, 0.1), 0.5);
+    let mut scene = scene([(faceted_sphere(12), glass)], Vec3::ONE);
+    let look = "[node.none]\ntexture='value'\nvalue=0.0\n[material.'material 0']\nopacity='none'\n";
+    let film = view(&device, &mut scene, look, &from_above(0.5, 2.0), SHOT);
+    assert_shows("a body that isn't there", &film, |_| Vec3::ONE);
+}
+
 #[test]
 fn nested_blends_mix_opacity_and_emission() {
     let Some(device) = device::open() else { return };

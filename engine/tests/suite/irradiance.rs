@@ -44,6 +44,26 @@ fn a_room_is_nearly_right_and_far_less_noisy() {
     assert!(cache.1 < path.1, "{} and {}", cache.1, path.1);
 }
 
+/// A flat triangle stops what comes from below it, whichever way its corners' normals lean.
+#[test]
+fn flat_triangles_whose_normals_lean_get_what_is_above_them() {
+    let Some(device) = device::open() else { return };
+    let leaning = || {
+        let mut scene = room();
+        // The floor, as cards of foliage have them.
+        let floor = &mut scene.meshes[0];
+        floor.normals = vec![Vec3::new(1.0, 1.2, 0.0).normalize(); floor.positions.len()];
+        scene
+    };
+    let settings = |method| seen((48, 36), 3, method);
+    let reference = device::open_for_reference();
+    let right = mean(&film(&reference, leaning(), &settings(Method::Path), 2048));
+    let found = mean(&film(&device, leaning(), &settings(Method::Cache), 256));
+    let off = (found / right - 1.0).abs().max_element();
+    println!("{found} is {off:.4} off {right}");
+    assert!(off < 0.015, "{found} is not {right}");
+}
+
 /// Paths that teach end in what others have found that have scattered as often as they may, though they have scattered more often by then.
 #[test]
 fn light_is_scattered_as_often_as_it_may() {

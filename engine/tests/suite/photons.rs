@@ -329,17 +329,16 @@ fn a_lamp_in_a_body_within_another_is_as_bright_as_by_paths() {
     let mut scene = below_glass();
     scene.materials[2].emission = Vec3::ZERO;
     let glass = &mut scene.materials[1];
-    glass.attenuation_color = Vec3::new(0.9, 0.7, 0.5);
-    glass.attenuation_distance = 0.3;
+    glass.attenuate(Vec3::new(0.9, 0.7, 0.5), 0.3);
     let mut inner = faceted_sphere(24);
     for position in &mut inner.positions {
         *position = *position * 0.3 + Vec3::Y * 0.8;
     }
-    let denser = Material {
+    let mut denser = Material {
         ior: 2.0,
-        attenuation_color: Vec3::new(0.5, 0.8, 0.9),
         ..glass.clone()
     };
+    denser.attenuate(Vec3::new(0.5, 0.8, 0.9), 0.3);
     add(&mut scene, inner, denser);
     // What goes up comes down again, through both bodies.
     let mirror = Material {

@@ -343,7 +343,7 @@ fn dropped_on(ui: &Ui, place: egui::Rect) -> Option<PathBuf> {
 }
 
 /// Whether a file is an image, by its name.
-fn is_image(path: &Path) -> bool {
+pub(crate) fn is_image(path: &Path) -> bool {
     let ending = path.extension().and_then(|ending| ending.to_str());
     ending.is_some_and(|ending| {
         let mut known = ENDINGS.iter();

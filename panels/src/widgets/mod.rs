@@ -13,7 +13,7 @@ use egui::{Response, Ui, WidgetInfo};
 
 pub use browse::{Answer, Browser, Choice, FileDialogs, FileRequest, Purpose, named_from};
 pub use focus::{asks_for_menu, keyboard_is_used, show_focus};
-pub(crate) use image_slot::{ImageSlot, image_slot};
+pub(crate) use image_slot::{ImageSlot, image_slot, is_image};
 pub(crate) use menu::{context_menu, menu, row_menu, scrolled};
 pub use number::number_field;
 pub(crate) use value::{Bounds, Spec, edit_steady};

@@ -26,7 +26,7 @@ fn shade_vertex(slot: u32) {
     }
 
     let v = vertex_at(p, hit);
-    let passage = sample_passage(v, attenuated(p.throughput, v, hit));
+    let passage = sample_passage(v, hit, p.throughput);
     if (passage.passes) {
         pass_on(p, passage, hit.t_max);
         return;

@@ -43,6 +43,14 @@ fn rough_albedo(b: Bsdf, l: Lobes) -> vec3f {
     return mix(gloss * dielectric, l.metal_gloss * (b.base_color * l.table.x + l.table.y), b.metallic);
 }
 
+// The side of the surface that what is gathered at a place comes to: on the curved one that the vertices' normals suggest the side of
+// these, on a flat triangle its own, whichever way they lean, for it stops what goes below it.
+fn gathered_above(s: Surface) -> vec3f {
+    let normal = vertices[s.triangle.x].w;
+    let is_curved = normal != vertices[s.triangle.y].w || normal != vertices[s.triangle.z].w;
+    return select(s.geometric_normal, s.shading_normal, is_curved);
+}
+
 // Leaves how the vertex scatters: diffusely, if that is the same from wherever the light comes, not below a sheen, nor where it
 // goes to the other side as well. Which part of the rays goes on if a cache knows the place; `enough` is that of those that only have to
 // find lamps and the sky.
@@ -65,7 +73,7 @@ fn leave_scattering(p: Path, v: Vertex, m: MaterialSample, l: Lobes, origins: Ra
         let words = shares_words(body / max(scattered, vec3f(1e-37)), true, 0u);
         path_set_words(path_given_shares(), v.slot, vec4u(words, 0u, 0u));
     }
-    path_set_words(PATH_PLACE, v.slot, vec4u(bitcast<vec3u>(origins.above), octahedral_encode(v.surface.shading_normal)));
+    path_set_words(PATH_PLACE, v.slot, vec4u(bitcast<vec3u>(origins.above), octahedral_encode(gathered_above(v.surface))));
     path_set_words(PATH_DIFFUSE, v.slot, vec4u(bitcast<vec3u>(p.throughput * scattered), octahedral_encode(m.frame.normal)));
     let is_all = l.through_p <= 0.0 && (has_rough || l.specular_p + l.coat_p <= 0.0);
     if ((frame.caches & CACHE_GIVES) == 0u || !is_all || enough >= 1.0) {

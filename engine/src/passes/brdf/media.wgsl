@@ -11,12 +11,12 @@ fn pass_on(p: Path, passage: Passage, t: f32) {
     queue_append(QUEUE_ACTIVE, p.slot);
 }
 
-// What the medium has left of the throughput on the way to the surface.
-fn attenuated(throughput: vec3f, v: Vertex, hit: RayHit) -> vec3f {
+// What a medium has left of the throughput on the way to the surface.
+fn attenuated(throughput: vec3f, medium: u32, hit: RayHit) -> vec3f {
     if (!has_transmission) {
         return throughput;
     }
-    return throughput * medium_transmittance(v.medium, hit.t_max - hit.t_min);
+    return throughput * medium_transmittance(medium, hit.t_max - hit.t_min);
 }
 
 struct Passage {
@@ -33,13 +33,19 @@ fn passage_coin(v: Vertex) -> f32 {
 
 // Whether the path passes the surface: by its opacity, because it is inside a body that counts more, or because the surface
 // is a thin clear wall.
-fn sample_passage(v: Vertex, throughput: vec3f) -> Passage {
+fn sample_passage(v: Vertex, hit: RayHit, throughput_before: vec3f) -> Passage {
     if (gives(v.slot, v.driven, OUTPUT_OPACITY)) {
         let coin = passage_coin(v);
         if (coin >= scalar_or(v.slot, v.driven, OUTPUT_OPACITY, 1.0)) {
-            return Passage(true, throughput, false);
+            // Where there is no surface, its back doesn't say either that the path was in its body.
+            var medium = 0u;
+            if (has_transmission) {
+                medium = medium_among(path_words(PATH_MEDIA, v.slot));
+            }
+            return Passage(true, attenuated(throughput_before, medium, hit), false);
         }
     }
+    let throughput = attenuated(throughput_before, v.medium, hit);
     if (v.is_solid && medium_among(v.beyond) == v.medium) {
         path_set_words(PATH_MEDIA, v.slot, v.beyond);
         return Passage(true, throughput, true);
