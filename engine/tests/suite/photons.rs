@@ -312,14 +312,13 @@ fn a_lamp_in_glass_is_as_bright_as_by_paths() {
     scene.materials[2].emission = Vec3::ZERO;
     let panel = quad(Vec3::new(-0.15, 0.8, -0.15), Vec3::X * 0.3, Vec3::Z * 0.3);
     add(&mut scene, panel, lamp(Vec3::splat(100.0)));
-    let of = |device: &Device, method| {
-        let (seed, spp) = match method {
-            Method::Photons => (1, 256),
-            _ => (5, 4096),
-        };
-        film(device, scene.clone(), &seen_below(seed, method), spp)
-    };
-    agree("a lamp in glass", &device, of, 0.05);
+    agree_below(
+        "a lamp in glass",
+        &device,
+        &scene,
+        [4096, 256],
+        [0.01, 0.05],
+    );
 }
 
 /// Photons begin in the bodies that their lamp is in, as paths come out of them one after the other.
@@ -352,14 +351,13 @@ fn a_lamp_in_a_body_within_another_is_as_bright_as_by_paths() {
     let panel = quad(Vec3::new(-0.1, 0.8, -0.1), Vec3::X * 0.2, Vec3::Z * 0.2);
     add(&mut scene, panel, lamp(Vec3::splat(200.0)));
     scene.materials[5].double_sided = true;
-    let of = |device: &Device, method| {
-        let (seed, spp) = match method {
-            Method::Photons => (1, 256),
-            _ => (5, 4096),
-        };
-        film(device, scene.clone(), &seen_below(seed, method), spp)
-    };
-    agree("a lamp in two bodies", &device, of, 0.05);
+    agree_below(
+        "a lamp in two bodies",
+        &device,
+        &scene,
+        [4096, 256],
+        [0.01, 0.05],
+    );
 }
 
 /// What is noise and what is bias: both fall, as the 2/3 power of the number of photons in the square.
